@@ -1,0 +1,1 @@
+//! Robot arms from URDF: forward and inverse kinematics, limits and link shapes.

@@ -1,0 +1,1 @@
+//! Depth camera: software rasteriser and sensor model.

@@ -1,0 +1,1 @@
+//! A virtual robot cabinet: tasks, motion queue, signals, sockets as a trait.

@@ -1,0 +1,66 @@
+use depal_frames::{PlacedShape, Pose};
+
+/// A sectioned vacuum gripper. The tool frame `tcp` is at the middle of the cup plane,
+/// Z pointing out of the gripper towards the carton, X along the gripper's long side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GripperSpec {
+    /// Name for messages and the replay.
+    pub name: String,
+    /// `flange_from_tcp`.
+    pub flange_from_tcp: Pose,
+    /// Mass of the tool, kg.
+    pub mass: f64,
+    /// Solid bodies of the tool (plate, post), in the `tcp` frame: physics, camera and planner use them.
+    pub bodies: Vec<PlacedShape>,
+    /// The separately switched zones.
+    pub sections: Vec<SectionSpec>,
+    /// All cups.
+    pub cups: Vec<CupSpec>,
+    /// Pump, valves and seal.
+    pub vacuum: VacuumSpec,
+}
+
+/// One zone: a rectangle of cups behind one valve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionSpec {
+    /// Digital output that switches it, as sent in the DO list.
+    pub digital_output: u16,
+    /// Rectangle in the `tcp` frame: min x, max x, min y, max y, metres.
+    pub area: [f64; 4],
+}
+
+/// One suction cup.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CupSpec {
+    /// Lip centre in the `tcp` plane (x, y), metres.
+    pub position: [f64; 2],
+    /// Index of its section.
+    pub section: usize,
+    /// Effective diameter, metres.
+    pub diameter: f64,
+    /// Axial stiffness, N/m.
+    pub stiffness: f64,
+    /// Axial damping, N s/m.
+    pub damping: f64,
+    /// Free travel of the lip beyond the `tcp` plane, metres: the cup touches this much early.
+    pub stroke: f64,
+}
+
+/// Vacuum generation and the rules of the seal. Pressures are *below ambient*, positive, in pascals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VacuumSpec {
+    /// Vacuum that the pump reaches on a closed zone, Pa.
+    pub supply_vacuum: f64,
+    /// Time constant of building up vacuum in a sealed zone, s.
+    pub build_up_time: f64,
+    /// Time constant of venting with blow-off, s.
+    pub blow_off_time: f64,
+    /// Vacuum switch closes above this fraction of `supply_vacuum` ...
+    pub switch_on_fraction: f64,
+    /// ... and opens below this one.
+    pub switch_off_fraction: f64,
+    /// Share of the supply that one open cup of `n` in a zone loses (flow resistors keep it below 1).
+    pub open_cup_loss: f64,
+    /// Coefficient of friction between lip and carton.
+    pub friction: f64,
+}

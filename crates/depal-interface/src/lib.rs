@@ -1,0 +1,1 @@
+//! The vision server's brain: sessions, jobs, order rules and status codes.

@@ -1,0 +1,1 @@
+//! Which box to pick, with which sections, and a collision-free way there and back.

@@ -1,0 +1,1 @@
+//! ABB RAPID: lexer, parser, checks, lowering and built-ins.

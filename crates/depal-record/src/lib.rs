@@ -1,0 +1,1 @@
+//! Cell events to a rerun recording and to JSON lines.

@@ -1,0 +1,1 @@
+//! The run report: report.json and its summary for people.

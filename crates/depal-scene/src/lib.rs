@@ -1,0 +1,1 @@
+//! Scene files: strict TOML, overrides, randomisation, program and arm loading.

@@ -1,0 +1,1 @@
+//! Box poses from one depth frame.

@@ -1,0 +1,3 @@
+//! Spans, diagnostics, values and one stackless virtual machine for robot languages.
+
+pub mod system;

@@ -1,0 +1,212 @@
+//! What a robot program may ask of the cabinet it runs in. Languages know only this trait;
+//! the controller implements it, tests use a fake.
+//!
+//! Nothing here blocks: what is not ready yet answers [`Pending`](std::task::Poll::Pending), and the
+//! machine asks again later.
+
+use std::task::Poll;
+
+use depal_frames::{JointPositions, Pose};
+use depal_time::SimTime;
+
+/// Where in the user's program something was asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub struct ProgramLocation {
+    /// Task name, `T_ROB1`.
+    pub task: String,
+    /// Module name as spelled in the source.
+    pub module: String,
+    /// Routine name as spelled in the source.
+    pub routine: String,
+    /// Line in the module's file, from 1.
+    pub line: u32,
+}
+
+/// A socket of a program, valid until closed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct SocketId(pub u32);
+
+/// A move that was accepted into the motion queue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MoveId(pub u64);
+
+/// How the arm gets to the target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MoveKind {
+    /// All joints start and end together, the path between is not a line (MoveAbsJ, MoveJ, PTP).
+    Joint,
+    /// The TCP travels a straight line, the orientation turns evenly (MoveL, LIN).
+    Linear,
+}
+
+/// Where a move goes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MoveTarget {
+    /// Joint positions, radians, URDF order.
+    Joints(JointPositions),
+    /// A pose of the tool centre point in the robot base. Among the inverse solutions the one
+    /// nearest to the end of the move before is taken.
+    Tcp(Pose),
+}
+
+/// Programmed speed, before override.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MoveSpeed {
+    /// Highest speed of the TCP, m/s.
+    pub tcp: f64,
+    /// Highest speed of reorientation, rad/s.
+    pub orientation: f64,
+    /// Share of the joint speed limits, 0..=1: 1 unless the language programs percentages.
+    pub joint_fraction: f64,
+    /// Share of the acceleration limits, 0..=1 (AccSet).
+    pub acceleration_fraction: f64,
+}
+
+/// How a move ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MoveZone {
+    /// The arm stands still at the target.
+    Fine,
+    /// The path may leave for the next target this far before the target.
+    Fly {
+        /// TCP distance, metres.
+        tcp: f64,
+        /// Reorientation distance, radians.
+        orientation: f64,
+    },
+}
+
+/// One motion instruction, language-neutral.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MoveRequest {
+    /// Joint or linear.
+    pub kind: MoveKind,
+    /// Where to.
+    pub target: MoveTarget,
+    /// How fast.
+    pub speed: MoveSpeed,
+    /// How it ends.
+    pub zone: MoveZone,
+    /// `flange_from_tcp` of the tool in use.
+    pub flange_from_tcp: Pose,
+    /// The instruction.
+    pub location: ProgramLocation,
+}
+
+/// What the cabinet refuses or reports; a language maps it to its own error values.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Fault {
+    /// No signal of this name.
+    UnknownSignal(String),
+    /// The value does not fit the signal (group width, digital 0/1, input).
+    SignalValue {
+        /// The signal.
+        signal: String,
+        /// What is wrong.
+        message: String,
+    },
+    /// No joint solution: out of reach, or a joint limit.
+    OutOfReach {
+        /// Which target or joint, with numbers.
+        message: String,
+    },
+    /// The motion supervision stopped the arm (collision).
+    MotionSupervision {
+        /// What was hit, how hard.
+        message: String,
+    },
+    /// The peer closed, refused or was never there.
+    SocketClosed,
+    /// The socket is in the wrong state (not connected, already connected).
+    SocketState {
+        /// What was expected and found.
+        message: String,
+    },
+}
+
+/// What arrived on a socket.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Received {
+    /// At least one byte, at most as many as asked for.
+    Data(Vec<u8>),
+    /// The peer closed and nothing is left to read.
+    Closed,
+}
+
+/// The state of a socket as programs ask for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SocketState {
+    /// Created, not connected.
+    Created,
+    /// Connected.
+    Connected,
+    /// Closed, or never created.
+    Closed,
+}
+
+/// Who reads an operator message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogKind {
+    /// The operator's screen (TPWrite).
+    Operator,
+    /// The controller's event log (ErrWrite, stops).
+    EventLog,
+}
+
+/// The cabinet as a program sees it.
+pub trait System {
+    /// Simulated time of the statement now executing (moves on between statements).
+    fn now(&self) -> SimTime;
+
+    /// Value of a signal: 0 or 1, or the number of a group or analogue signal.
+    fn signal(&self, name: &str) -> Result<f64, Fault>;
+    /// Sets an output (digital, group, analogue).
+    fn set_signal(&mut self, name: &str, value: f64) -> Result<(), Fault>;
+
+    /// Hands a move to the motion queue. `Pending` while the queue is full.
+    /// A fault is that of this move (out of reach) or of the motion as a whole (supervision).
+    fn start_move(&mut self, request: &MoveRequest) -> Poll<Result<MoveId, Fault>>;
+    /// Whether a move is over: it reached its fine point, or its corner was left behind.
+    fn is_move_done(&self, id: MoveId) -> Result<bool, Fault>;
+    /// Whether the arm stands and nothing is queued.
+    fn is_standing(&self) -> bool;
+    /// Drops what is queued and stops the arm (program stop).
+    fn stop_motion(&mut self);
+
+    /// Measured joints now, radians.
+    fn joints(&self) -> JointPositions;
+    /// Joint positions at the end of all queued moves, radians: where the next move will start.
+    fn planned_joints(&self) -> JointPositions;
+    /// `base_from_flange` of joint positions.
+    fn forward(&self, joints: &JointPositions) -> Pose;
+    /// Joint positions for `base_from_flange`, nearest to `near`.
+    fn inverse(
+        &self,
+        base_from_flange: &Pose,
+        near: &JointPositions,
+    ) -> Result<JointPositions, Fault>;
+
+    /// A new, unconnected client socket.
+    fn socket_create(&mut self) -> SocketId;
+    /// Connects. Asked again until ready. A refusal is `SocketClosed`.
+    fn socket_connect(
+        &mut self,
+        socket: SocketId,
+        address: &str,
+        port: u16,
+    ) -> Poll<Result<(), Fault>>;
+    /// Sends all bytes.
+    fn socket_send(&mut self, socket: SocketId, bytes: &[u8]) -> Result<(), Fault>;
+    /// Takes what has arrived, at most `limit` bytes; `Pending` if nothing has.
+    fn socket_receive(&mut self, socket: SocketId, limit: usize) -> Poll<Result<Received, Fault>>;
+    /// Closes; unread bytes are lost.
+    fn socket_close(&mut self, socket: SocketId);
+    /// The state of a socket.
+    fn socket_state(&self, socket: SocketId) -> SocketState;
+
+    /// A line for the operator or the event log.
+    fn log(&mut self, kind: LogKind, location: &ProgramLocation, text: &str);
+    /// A statement is about to run (for the trace and the replay).
+    fn statement(&mut self, location: &ProgramLocation);
+}

@@ -1,0 +1,1 @@
+//! Standard-interface messages: bytes to typed values and back.

@@ -1,0 +1,1 @@
+//! The planning project: steps and branches as a small engine.

@@ -1,0 +1,1 @@
+//! The physics: cartons, pallet, conveyor, arm links and cup forces on rapier.

@@ -1,0 +1,1 @@
+//! Whole-cell tests live in `main.rs`, the one test binary.
