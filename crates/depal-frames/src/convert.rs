@@ -9,10 +9,10 @@ use crate::{Point, Pose, Vector};
 pub fn to_glam(pose: &Pose) -> Pose3 {
     let t = pose.translation.vector;
     let q = pose.rotation.coords;
-    Pose3 {
-        translation: Vec3::new(t.x as f32, t.y as f32, t.z as f32),
-        rotation: Quat::from_xyzw(q.x as f32, q.y as f32, q.z as f32, q.w as f32).normalize(),
-    }
+    Pose3::from_parts(
+        Vec3::new(t.x as f32, t.y as f32, t.z as f32),
+        Quat::from_xyzw(q.x as f32, q.y as f32, q.z as f32, q.w as f32).normalize(),
+    )
 }
 
 /// From the physics library's f32 pose; the rotation is normalised again in f64.
