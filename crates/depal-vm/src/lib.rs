@@ -1,3 +1,4 @@
 //! Spans, diagnostics, values and one stackless virtual machine for robot languages.
 
+pub mod execution;
 pub mod system;

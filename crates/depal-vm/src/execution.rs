@@ -1,0 +1,37 @@
+//! The border between whatever runs as a robot task (the virtual machine, a PLC sequence) and the cabinet.
+
+use crate::system::{ProgramLocation, System};
+
+/// What one step of a task did.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Step {
+    /// One statement ran; it costs simulated time.
+    Ran,
+    /// The task waits; ask again in the next tick. Costs nothing more in this one.
+    Blocked,
+    /// The entry routine returned.
+    Finished,
+    /// The program asked to stop (Stop, EXIT), with its reason in words.
+    Stopped(String),
+    /// An error that no handler took.
+    Failed(RuntimeError),
+}
+
+/// An unhandled run-time error, as the operator reads it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RuntimeError {
+    /// Name of the error in the program's language, `ERR_SOCK_TIMEOUT`.
+    pub name: String,
+    /// What happened, with numbers and units, and what to do.
+    pub message: String,
+    /// Innermost place first, then its callers.
+    pub call_stack: Vec<ProgramLocation>,
+}
+
+/// A task that the controller drives: one statement at a time, never blocking.
+pub trait RobotTask {
+    /// Runs at most one statement.
+    fn step(&mut self, system: &mut dyn System) -> Step;
+    /// Where the program pointer stands.
+    fn location(&self) -> ProgramLocation;
+}
