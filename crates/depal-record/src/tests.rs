@@ -1,0 +1,1 @@
+//! A recording is whole or it is not there.
