@@ -236,7 +236,7 @@ pub(crate) fn oracle_pose(
     oracle.update_transforms();
     match oracle
         .find_link(&loaded.tip)
-        .and_then(|n| n.world_transform())
+        .and_then(k::Node::world_transform)
     {
         Some(pose) => convert::from_nalgebra_030(&pose),
         None => Pose::translation(f64::NAN, f64::NAN, f64::NAN),
