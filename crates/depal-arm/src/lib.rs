@@ -1,1 +1,46 @@
 //! Robot arms from URDF: forward and inverse kinematics, limits and link shapes.
+//!
+//! An [`Arm`] is read once from URDF text and then only asked: where are flange and links at these joints
+//! ([`Arm::base_from_flange`], [`Arm::base_from_links`]), which joints reach this flange pose
+//! ([`Arm::inverse`], [`Arm::inverse_nearest`]), and what may the joints do ([`Arm::limits`]).
+//! It is constant data; share it in an `Arc`.
+//!
+//! It must never know: time, tools, cartons, controllers, files.
+//!
+//! ```
+//! use depal_arm::Arm;
+//! use depal_frames::JointPositions;
+//! let urdf = include_str!("../../../urdf/abb_irb6700_150_320.urdf");
+//! let accelerations = [3.1, 3.1, 3.1, 7.0, 7.0, 8.7];
+//! let arm = Arm::from_urdf(urdf, "abb_irb6700_150_320.urdf", &accelerations)?;
+//! let joints = JointPositions::from_degrees(&[10.0, 20.0, 5.0, 0.0, 60.0, 0.0]);
+//! let base_from_flange = arm.base_from_flange(&joints);
+//! let found = arm.inverse_nearest(&base_from_flange, &joints).expect("it was reached just now");
+//! assert!(found.max_distance(&joints) < 1e-6);
+//! # Ok::<(), depal_arm::ArmError>(())
+//! ```
+//!
+//! Units and frames: metres, radians, kilograms, f64. `base` is the root link of the file.
+//! `flange` is the link `tool0`, else `flange`, else the end of the longest chain; its Z should point out of the flange.
+//! Joint vectors follow the chain from base to flange.
+//!
+//! Limitations: six revolute joints in a row with a spherical wrist (ortho-parallel basis);
+//! no mimic, prismatic or continuous joints; no mesh geometry.
+//! On loading, the flat chain is compared with a second, independent chain (`k`) and with the closed-form solver;
+//! a description on which they disagree by more than 1e-9 m is refused.
+//!
+//! Reference: M. Brandstoetter, A. Angerer, M. Hofbaur, "An analytical solution of the inverse kinematics problem of
+//! industrial serial manipulators with an ortho-parallel basis and a spherical wrist", Austrian Robotics Workshop 2014.
+
+mod arm;
+mod chain;
+mod error;
+mod opw;
+mod shapes;
+mod urdf;
+
+pub use arm::{Arm, JointLimit, Link};
+pub use error::ArmError;
+
+#[cfg(test)]
+mod tests;

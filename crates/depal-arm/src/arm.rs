@@ -1,0 +1,244 @@
+use depal_frames::{JointPositions, PlacedShape, Pose, convert};
+
+use crate::{
+    ArmError,
+    chain::Chain,
+    opw::Solver,
+    urdf::{self, Loaded},
+};
+
+/// What one joint may do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointLimit {
+    /// Smallest position, rad.
+    pub lower: f64,
+    /// Largest position, rad.
+    pub upper: f64,
+    /// Largest speed either way, rad/s.
+    pub max_speed: f64,
+    /// Largest acceleration either way, rad/s2; not part of a URDF.
+    pub max_acceleration: f64,
+}
+
+/// One rigid part of the arm. Shapes are in the link's own frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Link {
+    /// As in the file.
+    pub name: String,
+    /// Solids for physics and planning.
+    pub collision: Vec<PlacedShape>,
+    /// Solids for cameras and viewers, with their colour (sRGB).
+    pub visual: Vec<(PlacedShape, [u8; 3])>,
+    /// Mass, kg; 0 when the file gives none.
+    pub mass: f64,
+}
+
+/// A six-axis arm: constant geometry and limits. See the crate's first page.
+#[derive(Debug, Clone)]
+pub struct Arm {
+    name: String,
+    joint_names: Vec<String>,
+    limits: Vec<JointLimit>,
+    links: Vec<Link>,
+    chain: Chain,
+    solver: Solver,
+}
+
+/// A solution may lie outside a limit by this much, rad; it is then put onto the limit.
+const LIMIT_SLACK: f64 = 1e-9;
+/// Flange poses of two computations may differ by this much, m.
+const FORWARD_TOLERANCE_M: f64 = 1e-9;
+/// ... and by this much, rad (the angle between two nearly equal quaternions is itself known to about 1e-8).
+const FORWARD_TOLERANCE_RAD: f64 = 1e-7;
+/// Joint states on which a description is checked.
+const CHECKED_STATES: usize = 64;
+
+impl Arm {
+    /// Reads a URDF.
+    ///
+    /// `source_name` stands in error messages. `max_accelerations` in rad/s2, one per joint from base to flange.
+    ///
+    /// # Errors
+    /// See [`ArmError`]: every fault names file and element.
+    pub fn from_urdf(
+        text: &str,
+        source_name: &str,
+        max_accelerations: &[f64],
+    ) -> Result<Self, ArmError> {
+        let loaded = urdf::load(text, source_name, max_accelerations)?;
+        let solver = Solver::recognise(&loaded.chain, &loaded.joint_names, source_name)?;
+        check_forward(&loaded, &solver, source_name)?;
+        Ok(Self {
+            name: loaded.robot.name,
+            joint_names: loaded.joint_names,
+            limits: loaded.limits,
+            links: loaded.links,
+            chain: loaded.chain,
+            solver,
+        })
+    }
+
+    /// Name of the robot in the file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of joints: 6.
+    pub fn joint_count(&self) -> usize {
+        self.limits.len()
+    }
+
+    /// Joint names, base to flange.
+    pub fn joint_names(&self) -> &[String] {
+        &self.joint_names
+    }
+
+    /// Joint limits, base to flange.
+    pub fn limits(&self) -> &[JointLimit] {
+        &self.limits
+    }
+
+    /// All links, parents before children: the base is first.
+    pub fn links(&self) -> &[Link] {
+        &self.links
+    }
+
+    /// Whether every joint lies inside its limits (1e-9 rad of slack).
+    pub fn within_limits(&self, joints: &JointPositions) -> bool {
+        joints.len() == self.limits.len()
+            && joints
+                .iter()
+                .zip(&self.limits)
+                .all(|(&q, limit)| q >= limit.lower - LIMIT_SLACK && q <= limit.upper + LIMIT_SLACK)
+    }
+
+    /// Pose of the flange in the base frame.
+    ///
+    /// # Panics
+    /// If `joints` has fewer entries than the arm.
+    pub fn base_from_flange(&self, joints: &JointPositions) -> Pose {
+        self.chain.base_from_tip(joints)
+    }
+
+    /// Pose of every link in the base frame, in the order of [`Arm::links`].
+    ///
+    /// # Panics
+    /// If `joints` has fewer entries than the arm.
+    pub fn base_from_links(&self, joints: &JointPositions) -> Vec<Pose> {
+        self.chain.base_from_links(joints)
+    }
+
+    /// Every joint vector inside the limits that brings the flange there: all branches, and each with all whole turns
+    /// that the limits allow. Sorted by joint 1, then 2, and so on; empty when out of reach.
+    /// At a singularity of the wrist one of the endless many is given.
+    pub fn inverse(&self, base_from_flange: &Pose) -> Vec<JointPositions> {
+        let mut solutions = Vec::new();
+        for branch in self.solver.branches(base_from_flange, None) {
+            self.add_turns(&branch, &mut solutions);
+        }
+        solutions.sort_by(compare);
+        solutions.dedup_by(|a, b| a.max_distance(b) < 1e-9);
+        solutions
+    }
+
+    /// The solution of [`Arm::inverse`] whose largest joint difference from `near` is smallest; none when out of reach.
+    /// At a singularity of the wrist joints 4 and 6 stay near `near`.
+    pub fn inverse_nearest(
+        &self,
+        base_from_flange: &Pose,
+        near: &JointPositions,
+    ) -> Option<JointPositions> {
+        let mut solutions = Vec::new();
+        for branch in self.solver.branches(base_from_flange, Some(near)) {
+            self.add_turns(&branch, &mut solutions);
+        }
+        solutions.sort_by(compare);
+        solutions
+            .into_iter()
+            .min_by(|a, b| a.max_distance(near).total_cmp(&b.max_distance(near)))
+    }
+
+    /// Adds `branch` with every combination of whole turns inside the limits.
+    fn add_turns(&self, branch: &[f64; 6], solutions: &mut Vec<JointPositions>) {
+        use std::f64::consts::TAU;
+        let mut partial = vec![JointPositions::from_slice(branch)];
+        for (joint, limit) in self.limits.iter().enumerate() {
+            let mut next = Vec::new();
+            for candidate in &partial {
+                let first = ((limit.lower - LIMIT_SLACK - candidate[joint]) / TAU).ceil() as i64;
+                let last = ((limit.upper + LIMIT_SLACK - candidate[joint]) / TAU).floor() as i64;
+                for turns in first..=last {
+                    let mut turned = *candidate;
+                    turned[joint] =
+                        (candidate[joint] + turns as f64 * TAU).clamp(limit.lower, limit.upper);
+                    next.push(turned);
+                }
+            }
+            partial = next;
+        }
+        solutions.extend(partial);
+    }
+}
+
+fn compare(a: &JointPositions, b: &JointPositions) -> std::cmp::Ordering {
+    a.iter()
+        .zip(b.iter())
+        .map(|(x, y)| x.total_cmp(y))
+        .find(|o| o.is_ne())
+        .unwrap_or(std::cmp::Ordering::Equal)
+}
+
+/// The flat chain against the closed-form model and against an independent reading of the same file.
+fn check_forward(loaded: &Loaded, solver: &Solver, file: &str) -> Result<(), ArmError> {
+    let oracle = k::Chain::<f64>::from(&loaded.robot);
+    for state in 0..CHECKED_STATES {
+        // A fixed low-discrepancy walk through the joint box (multiples of irrational numbers, modulo 1).
+        let mut joints = JointPositions::zeros(loaded.limits.len());
+        for (i, limit) in loaded.limits.iter().enumerate() {
+            let root = [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0][i % 6].sqrt();
+            let fraction = (root * (state as f64 + 0.5)).fract();
+            joints[i] = limit.lower + (limit.upper - limit.lower) * fraction;
+        }
+        let ours = loaded.chain.base_from_tip(&joints);
+        let theirs = solver.base_from_flange(&joints);
+        let chain = oracle_pose(&oracle, loaded, &joints);
+        for (oracle, other) in [
+            ("the closed-form model", theirs),
+            ("the chain library", chain),
+        ] {
+            let error_m = (ours.translation.vector - other.translation.vector).norm();
+            let error_rad = ours.rotation.angle_to(&other.rotation);
+            if !(error_m <= FORWARD_TOLERANCE_M && error_rad <= FORWARD_TOLERANCE_RAD) {
+                return Err(ArmError::ForwardMismatch {
+                    file: file.to_owned(),
+                    oracle,
+                    error_m,
+                    error_rad,
+                    joints: joints.to_vec(),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Flange pose by the chain library. NaN (a mismatch) when it does not know the joints or the flange.
+pub(crate) fn oracle_pose(
+    oracle: &k::Chain<f64>,
+    loaded: &Loaded,
+    joints: &JointPositions,
+) -> Pose {
+    for (name, &position) in loaded.joint_names.iter().zip(joints.iter()) {
+        if let Some(node) = oracle.find(name) {
+            node.set_joint_position_unchecked(position);
+        }
+    }
+    oracle.update_transforms();
+    match oracle
+        .find_link(&loaded.tip)
+        .and_then(k::Node::world_transform)
+    {
+        Some(pose) => convert::from_nalgebra_030(&pose),
+        None => Pose::translation(f64::NAN, f64::NAN, f64::NAN),
+    }
+}
