@@ -1,4 +1,4 @@
-use depal_frames::{Pose, Rotation, Shape, Vector, convert};
+use depal_frames::{Point, Pose, Rotation, Shape, Vector, convert};
 use parry3d::math::Vector as ParryVector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::{Ball, Cuboid};
@@ -7,32 +7,80 @@ use proptest::prelude::*;
 use super::*;
 use crate::{Capture, NOTHING, capture};
 
-/// First hit of the ray through a pixel (z component 1, so the parameter is the depth), in f32.
-/// Boxes and balls are parry's; for capsules and cylinders its iterative cast is the reference too.
-fn cast(item: &RenderShape, ray: &Ray) -> Option<f32> {
+/// Depth of the first hit along a ray from the origin whose Z is 1.
+/// Boxes and balls: parry's closed forms. Capsules and cylinders: marching along the signed
+/// distance in f64, since parry's iterative cast is off by up to millimetres at the ends.
+fn cast(item: &RenderShape, direction: &Vector) -> Option<f64> {
     let pose = convert::to_glam(&item.world_from_shape);
+    let ray = Ray::new(ParryVector::ZERO, convert::vector_to_glam(direction));
     let far = 100.0;
     match &item.shape {
-        Shape::Cuboid { half_extents } => {
-            Cuboid::new(convert::vector_to_glam(half_extents)).cast_ray(&pose, ray, far, true)
+        Shape::Cuboid { half_extents } => Cuboid::new(convert::vector_to_glam(half_extents))
+            .cast_ray(&pose, &ray, far, true)
+            .map(f64::from),
+        Shape::Sphere { radius } => Ball::new(*radius as f32)
+            .cast_ray(&pose, &ray, far, true)
+            .map(f64::from),
+        _ => march(item, direction),
+    }
+}
+
+/// Sphere tracing (Hart 1996).
+fn march(item: &RenderShape, direction: &Vector) -> Option<f64> {
+    let length = direction.norm();
+    let centre = item.world_from_shape.translation.vector;
+    let reach = item.shape.bounding_radius();
+    let miss = centre - direction * (centre.dot(direction) / (length * length));
+    if miss.norm() > reach {
+        return None;
+    }
+    let shape_from_world = item.world_from_shape.inverse();
+    let (mut z, end) = (0.0, centre.norm() + reach);
+    while z < end {
+        let distance = signed_distance(
+            &item.shape,
+            &(shape_from_world * Point::from(direction * z)),
+        );
+        if distance < 1e-8 {
+            return Some(z);
         }
-        Shape::Sphere { radius } => Ball::new(*radius as f32).cast_ray(&pose, ray, far, true),
-        // parry's long axis is Y, ours is Z.
-        Shape::Capsule {
-            half_length,
-            radius,
-        } => parry3d::shape::Capsule::new_z(*half_length as f32, *radius as f32)
-            .cast_ray(&pose, ray, far, true),
+        z += distance / length;
+    }
+    None
+}
+
+/// Distance of a point from a solid's surface, negative inside.
+fn signed_distance(shape: &Shape, p: &Point) -> f64 {
+    match shape {
+        Shape::Cuboid { half_extents } => {
+            box_distance([0, 1, 2].map(|k| p[k].abs() - half_extents[k]))
+        }
+        Shape::Sphere { radius } => p.coords.norm() - radius,
         Shape::Cylinder {
             half_length,
             radius,
+        } => box_distance([
+            p.x.hypot(p.y) - radius,
+            p.z.abs() - half_length,
+            f64::NEG_INFINITY,
+        ]),
+        Shape::Capsule {
+            half_length,
+            radius,
         } => {
-            let y_is_z = Pose::rotation(Vector::x() * std::f64::consts::FRAC_PI_2);
-            let pose = convert::to_glam(&(item.world_from_shape * y_is_z));
-            parry3d::shape::Cylinder::new(*half_length as f32, *radius as f32)
-                .cast_ray(&pose, ray, far, true)
+            let z = p.z - p.z.clamp(-half_length, *half_length);
+            Vector::new(p.x, p.y, z).norm() - radius
         }
     }
+}
+
+fn box_distance(beyond: [f64; 3]) -> f64 {
+    let outside = Vector::from(beyond.map(|d| d.max(0.0))).norm();
+    outside
+        + beyond
+            .into_iter()
+            .fold(f64::NEG_INFINITY, f64::max)
+            .min(0.0)
 }
 
 fn reference(spec: &CameraSpec, shapes: &[RenderShape]) -> (Vec<f32>, Vec<u32>) {
@@ -42,12 +90,11 @@ fn reference(spec: &CameraSpec, shapes: &[RenderShape]) -> (Vec<f32>, Vec<u32>) 
     for v in 0..i.height {
         for u in 0..i.width {
             let d = i.ray(u as f64, v as f64);
-            let ray = Ray::new(ParryVector::ZERO, convert::vector_to_glam(&d));
             let hit = shapes
                 .iter()
-                .filter_map(|s| cast(s, &ray).map(|t| (t, s.id)))
+                .filter_map(|s| cast(s, &d).map(|t| (t, s.id)))
                 .min_by(|a, b| a.0.total_cmp(&b.0));
-            depth.push(hit.map_or(0.0, |h| h.0));
+            depth.push(hit.map_or(0.0, |h| h.0 as f32));
             ids.push(hit.map_or(NOTHING, |h| h.1));
         }
     }
@@ -135,7 +182,8 @@ proptest! {
         let spec = camera(96, 64, SensorSpec { shadow: true, ..SensorSpec::ideal() });
         let scene = [wall(1, 2.0), solid(2, shape.clone(), at, turn)];
         let shot = capture(&spec, &Pose::identity(), &scene, 0);
-        let inside = inside(&shape, &(scene[1].world_from_shape.inverse() * depal_frames::Point::origin()));
+        let eye = scene[1].world_from_shape.inverse() * Point::origin();
+        let inside = signed_distance(&shape, &eye) < 0.0;
         let (depth, ids) = reference(&spec, &scene);
         for pixel in 0..depth.len() {
             let (z, id) = (shot.ideal_depth[pixel], shot.ids[pixel]);
@@ -153,24 +201,6 @@ proptest! {
             if id == 2 && z < 0.3 {
                 prop_assert_eq!(shot.frame.depth[pixel], 0.0);
             }
-        }
-    }
-}
-
-fn inside(shape: &Shape, p: &depal_frames::Point) -> bool {
-    match shape {
-        Shape::Cuboid { half_extents } => (0..3).all(|k| p[k].abs() < half_extents[k]),
-        Shape::Sphere { radius } => p.coords.norm() < *radius,
-        Shape::Cylinder {
-            half_length,
-            radius,
-        } => p.z.abs() < *half_length && p.x.hypot(p.y) < *radius,
-        Shape::Capsule {
-            half_length,
-            radius,
-        } => {
-            let z = p.z - p.z.clamp(-half_length, *half_length);
-            Vector::new(p.x, p.y, z).norm() < *radius
         }
     }
 }
@@ -209,9 +239,7 @@ fn the_camera_pose_takes_world_to_camera() {
     let mut block = solid(3, Shape::cuboid(0.2, 0.2, 0.5), [1.3, 0.5, 0.25], [0.0; 3]);
     block.material = Material::LABEL;
     let shot: Capture = capture(&spec, &world_from_camera, &[block], 0);
-    let (u, v) = spec
-        .intrinsics
-        .project(&depal_frames::Point::new(0.3, 0.0, 2.0));
+    let (u, v) = spec.intrinsics.project(&Point::new(0.3, 0.0, 2.0));
     let at = v.round() as usize * 80 + u.round() as usize;
     assert_eq!(shot.ids[at], 3);
     assert!((shot.ideal_depth[at] - 2.0).abs() < 1e-5);
