@@ -195,7 +195,7 @@ impl SensorSpec {
             scale_error: 0.0,
             quantum: 0.0,
             ambient: 0.15,
-            exposure_distance: 1.5,
+            exposure_distance: 1.8,
             blur: false,
             intensity_noise: 0.0,
             blackout: false,

@@ -93,6 +93,10 @@ pub(crate) fn push_surfaces(
             radius,
         } => {
             let axis = view_from_shape.rotation * Vector::z();
+            let nearest = axis * (-centre.dot(&axis)).clamp(-*half_length, *half_length);
+            if (centre + nearest).norm_squared() <= radius * radius {
+                return; // the eye is inside, where the balls' inner halves would show
+            }
             // The inner half of each ball lies inside the capsule and is hidden by its surface.
             push_sphere(out, index, centre + axis * *half_length, *radius);
             push_sphere(out, index, centre - axis * *half_length, *radius);
