@@ -1,1 +1,53 @@
 //! Depth camera: software rasteriser and sensor model.
+//!
+//! Shapes with an id and a material go in; a [`DepthFrame`](depal_frames::DepthFrame) as a
+//! structured-light camera would deliver it comes out, together with the truth for the score.
+//! It must never know what a carton, a pallet or an arm is.
+//!
+//! Every shape is drawn exactly: a plane and the silhouette of a sphere or cylinder have closed
+//! forms along an image row, so nothing is tessellated and nothing is clipped.
+//! A second pass from the projector finds what the pattern does not reach.
+//! The image is worked on row by row, and every random number is a hash of seed and pixel,
+//! so the result has the same bits for any number of threads.
+//!
+//! ```
+//! use depal_camera::{CameraSpec, Material, RenderShape, SensorSpec, capture};
+//! use depal_frames::{Intrinsics, Pose, Shape};
+//! let intrinsics = Intrinsics { width: 64, height: 48, fx: 60.0, fy: 60.0, cx: 31.5, cy: 23.5 };
+//! let spec = CameraSpec { intrinsics, near: 0.3, far: 5.0, baseline: 0.3, sensor: SensorSpec::ideal() };
+//! let block = RenderShape {
+//!     world_from_shape: Pose::translation(0.0, 0.0, 2.1),
+//!     shape: Shape::cuboid(0.4, 0.4, 0.2),
+//!     id: 7,
+//!     material: Material::KRAFT,
+//! };
+//! let shot = capture(&spec, &Pose::identity(), &[block], 1);
+//! assert!((shot.frame.depth_at(32, 24) - 2.0).abs() < 1e-6);
+//! assert_eq!(shot.ids[24 * 64 + 32], 7);
+//! assert_eq!(shot.frame.depth_at(0, 0), 0.0); // nothing there
+//! ```
+//!
+//! Units and frames: metres and radians; camera frame X right, Y down, Z forward; depth is Z, not
+//! range; pixel centres are integers. The projector stands at (baseline, 0, 0) of the camera frame.
+//!
+//! Limitations: one ray per pixel, so a gap narrower than a pixel is hit or missed as a whole;
+//! no multiple reflections, no specular lobe, no lens distortion, sharp box edges;
+//! a camera or projector inside a solid does not see that solid; one light, no ambient occlusion.
+
+mod capture;
+mod noise;
+mod raster;
+mod render;
+mod sensor;
+mod shape;
+mod spec;
+mod surface;
+
+pub use capture::{Capture, NOTHING, capture};
+pub use render::{Rendering, render};
+pub use sensor::sense;
+pub use shape::{Material, RenderShape};
+pub use spec::{CameraError, CameraSpec, SensorSpec};
+
+#[cfg(test)]
+mod tests;
