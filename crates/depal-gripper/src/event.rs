@@ -26,6 +26,17 @@ pub enum GripEvent {
     },
 }
 
+impl GripEvent {
+    /// Number of the carton.
+    pub fn carton(&self) -> u32 {
+        match self {
+            Self::Started { carton, .. }
+            | Self::Released { carton }
+            | Self::Lost { carton, .. } => *carton,
+        }
+    }
+}
+
 /// Why a carton was lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LossReason {

@@ -229,6 +229,11 @@ impl GripperState {
         held.map(|(&carton, _)| carton).collect()
     }
 
+    /// Cartons on which at least one cup is sealed, with vacuum or without.
+    pub fn cartons_at_cups(&self) -> BTreeSet<u32> {
+        self.cups.iter().filter_map(|cup| cup.sealed_on).collect()
+    }
+
     /// Number of cups sealed on a carton.
     pub fn sealed_cups(&self, carton: u32) -> usize {
         let sealed = self.cups.iter();
