@@ -1,0 +1,4 @@
+mod cell;
+mod collisions;
+mod grips;
+mod pallet;
