@@ -1,0 +1,73 @@
+//! The robot-facing interface of the vision server, and how long things take on the way.
+
+use crate::reader::section;
+use crate::rules::{choice, number, one_of, whole};
+
+choice! {
+    /// How the server writes and reads cells on the wire.
+    pub enum WireEncoding {
+        /// Numbers as text, separated by commas.
+        Ascii = "ascii",
+        /// Binary cells of four bytes, least significant byte first.
+        HexLe = "hex-le",
+        /// Binary cells of four bytes, most significant byte first.
+        HexBe = "hex-be",
+    }
+}
+
+choice! {
+    /// Version of the interface that the server speaks.
+    pub enum InterfaceProfile {
+        /// Version 1.8.
+        V1_8 = "v1_8",
+    }
+}
+
+choice! {
+    /// Make of the robot: decides the order of Euler angles.
+    pub enum RobotBrand {
+        /// ABB.
+        Abb = "abb",
+        /// FANUC.
+        Fanuc = "fanuc",
+        /// KUKA.
+        Kuka = "kuka",
+    }
+}
+
+section! {
+    /// The server's side of the Standard Interface. The robot's side is what its program sends.
+    pub struct Interface {
+        /// How cells are written.
+        /// Default hex-le: what ABB and KUKA modules use in the field.
+        encoding: WireEncoding, one_of(), default(WireEncoding::HexLe);
+        /// Version that is spoken.
+        profile: InterfaceProfile, one_of(), default(InterfaceProfile::V1_8);
+        /// Make of the robot.
+        brand: RobotBrand, one_of(), default(RobotBrand::Abb);
+        /// Port that the robot program connects to.
+        /// Default 50000: the port of the interface's own examples.
+        port: u16, whole(1, 65_535), default(50_000);
+        /// Poses in one reply; more are sent in parts.
+        /// Default 20, the interface's own; at most 30 fit into a robot's receive buffer.
+        pose_cap: u32, whole(1, 30), default(20);
+        /// Longest wait of a request for a result, s, before it is answered with a timeout status.
+        /// Default 10: the interface's own.
+        timeout_s: f64, number(0.0, 3600.0), default(10.0);
+    }
+}
+
+section! {
+    /// How much simulated time the computing takes. Real computing time never enters a run.
+    pub struct Latency {
+        /// From the picture to the poses, s.
+        /// Default 0.3: a usual time of box detection on an industrial computer.
+        vision_s: f64, number(0.0, 60.0), default(0.3);
+        /// From the poses to the path, s.
+        /// Default 0.1.
+        planning_s: f64, number(0.0, 60.0), default(0.1);
+        /// One way on the network, ms.
+        /// Default 1: a switch and two interrupt handlers.
+        network_ms: f64, number(0.0, 10_000.0), default(1.0);
+    }
+}

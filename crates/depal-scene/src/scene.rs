@@ -1,0 +1,182 @@
+//! The whole scene: its sections, and what must fit together between them.
+
+use depal_time::RandomStreams;
+use serde_json::{Value as Json, json};
+
+use crate::camera::Camera;
+use crate::gripper::Gripper;
+use crate::interface::{Interface, Latency};
+use crate::reader::{Checker, Section as _, section};
+use crate::robot::{Robot, SignalKind};
+use crate::rules::{Maybe, Text, table, whole};
+use crate::run::{Accept, Planner, Run};
+use crate::stack::{Cartons, Conveyor, Pallet, Randomize};
+use crate::vision::Vision;
+use crate::viz::{Viz, VizAction};
+
+/// The version of the scene format.
+pub(crate) const SCHEMA: i64 = 1;
+
+section! {
+    /// A scene: the cell, the work, and what counts as done.
+    pub struct Scene {
+        /// Version of the format: 1.
+        schema: u32, whole(SCHEMA, SCHEMA), required;
+        /// Another scene file, beside this one, whose keys hold where this one has none.
+        extends: Option<String>, Maybe(Text), default(None);
+        /// Name for reports and folders.
+        name: String, Text, required;
+        /// Seed of everything random, unless the command line gives one.
+        /// Default 1.
+        seed: u64, whole(0, i64::MAX), default(1);
+        /// The pallet.
+        pallet: Pallet, table(), section;
+        /// The cartons on it.
+        cartons: Cartons, table(), section;
+        /// How untidy the stack is.
+        randomize: Randomize, table(), section;
+        /// The belt that takes the cartons away.
+        conveyor: Conveyor, table(), section;
+        /// The depth camera.
+        camera: Camera, table(), section;
+        /// The gripper.
+        gripper: Gripper, table(), section;
+        /// The arm, its cabinet and its program.
+        robot: Robot, table(), section;
+        /// The robot-facing interface of the vision server.
+        interface: Interface, table(), section;
+        /// The vision projects.
+        vision: Vision, table(), section;
+        /// The path project.
+        viz: Viz, table(), section;
+        /// How long computing takes.
+        latency: Latency, table(), section;
+        /// The path planner.
+        planner: Planner, table(), section;
+        /// Limits of the run.
+        run: Run, table(), section;
+        /// What makes a run accepted.
+        accept: Accept, table(), section;
+    }
+    check check_scene;
+}
+
+impl Scene {
+    /// The random streams of this scene's seed.
+    pub fn streams(&self) -> RandomStreams {
+        RandomStreams::new(self.seed)
+    }
+}
+
+/// The JSON Schema of scene files, for editors.
+pub fn json_schema() -> Json {
+    let mut schema = Scene::schema();
+    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    schema["title"] = json!("depal scene");
+    schema
+}
+
+fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
+    let signal = |name: &str| {
+        let signals = scene.robot.signal.iter();
+        signals
+            .filter(|signal| signal.name.eq_ignore_ascii_case(name))
+            .map(|signal| (signal.kind, signal.bits))
+            .next()
+    };
+    let zones = scene.gripper.section.len();
+    let name = &scene.gripper.sections_signal;
+    match signal(name) {
+        Some((SignalKind::GroupOutput, bits)) if bits as usize >= zones => {}
+        Some((SignalKind::GroupOutput, bits)) => checker.problem(
+            "gripper.sections_signal",
+            format!("expected {zones} bits, one for each section, found {bits} in {name:?}"),
+            None,
+        ),
+        Some((kind, _)) => checker.problem(
+            "gripper.sections_signal",
+            format!(
+                "expected a signal of kind go, found {name:?} of kind {}",
+                kind.word()
+            ),
+            None,
+        ),
+        None => checker.problem(
+            "gripper.sections_signal",
+            format!("expected one of the robot's signals, found {name:?}"),
+            Some("add it as a [[robot.signal]]"),
+        ),
+    }
+    let name = &scene.gripper.vacuum_signal;
+    match signal(name) {
+        Some((SignalKind::DigitalInput, _)) => {}
+        Some((kind, _)) => checker.problem(
+            "gripper.vacuum_signal",
+            format!(
+                "expected a signal of kind di, found {name:?} of kind {}",
+                kind.word()
+            ),
+            None,
+        ),
+        None => checker.problem(
+            "gripper.vacuum_signal",
+            format!("expected one of the robot's signals, found {name:?}"),
+            Some("add it as a [[robot.signal]]"),
+        ),
+    }
+    for project in &scene.vision.project {
+        if project.camera != scene.camera.name {
+            checker.problem(
+                "vision.project",
+                format!(
+                    "expected the camera {:?} in project {}, found {:?}",
+                    scene.camera.name, project.id, project.camera
+                ),
+                None,
+            );
+        }
+    }
+    for step in &scene.viz.steps {
+        if let VizAction::VisualRecognition(recognition) = &step.action
+            && !scene
+                .vision
+                .project
+                .iter()
+                .any(|project| project.id == recognition.project)
+        {
+            checker.problem(
+                "viz.steps",
+                format!(
+                    "expected a vision project in step {}, found {}",
+                    step.id, recognition.project
+                ),
+                None,
+            );
+        }
+    }
+    let footprint = scene.cartons.footprint_mm();
+    for (axis, name) in ["X", "Y"].into_iter().enumerate() {
+        let room = scene.pallet.size_mm[axis] + 200.0;
+        if footprint[axis] > room {
+            checker.problem(
+                "cartons.pattern",
+                format!(
+                    "expected a layer of at most {room} mm along the pallet's {name} \
+                     (100 mm over either edge), found {} mm",
+                    footprint[axis]
+                ),
+                None,
+            );
+        }
+    }
+    let most = f64::from(scene.cartons.total());
+    if let Some(least) = scene.accept.delivered_min
+        && least > most
+    {
+        checker.problem(
+            "accept.delivered_min",
+            format!("expected at most the {most} cartons of the pallet, found {least}"),
+            None,
+        );
+    }
+}

@@ -1,0 +1,168 @@
+//! What stands on the floor: the pallet, the cartons on it and how untidy they are.
+
+use crate::reader::{Checker, section};
+use crate::rules::above;
+use crate::rules::{
+    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, Maybe, Number, Numbers, Span, SpanOf, choice, number,
+    one_of, table, whole,
+};
+
+/// Friction from ice to rubber.
+const FRICTION: Number = number(0.0, 2.0);
+const MASS_KG: Number = above(0.0, 1000.0);
+
+section! {
+    /// The pallet that is emptied.
+    pub struct Pallet {
+        /// Centre of its footprint on the floor, in the world, mm.
+        xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
+        /// Turn about the world's Z, degrees, counter-clockwise seen from above.
+        yaw_deg: f64, ANGLE_DEG, default(0.0);
+        /// Size along its own X, Y and Z, mm.
+        /// Default: a EUR pallet (EN 13698-1) with the long side along Y.
+        size_mm: [f64; 3], Numbers::<3>(LENGTH_MM), default([800.0, 1200.0, 144.0]);
+        /// Coefficient of friction of its deck.
+        /// Default 0.5: cardboard on planed wood; a lower one lets the stack slide.
+        friction: f64, FRICTION, default(0.5);
+    }
+}
+
+choice! {
+    /// A direction of the pallet frame.
+    pub enum PalletAxis {
+        /// Along the pallet's X.
+        X = "x",
+        /// Along the pallet's Y.
+        Y = "y",
+    }
+}
+
+section! {
+    /// How one layer is laid: a grid, every carton turned the same way.
+    pub struct Pattern {
+        /// Cartons side by side along the pallet's X.
+        columns: u32, whole(1, 20), required;
+        /// Cartons side by side along the pallet's Y.
+        rows: u32, whole(1, 20), required;
+        /// Where the cartons' long side points.
+        /// Default x: the short side of a EUR pallet, across which two 400 mm cartons fit.
+        long_side: PalletAxis, one_of(), default(PalletAxis::X);
+    }
+}
+
+section! {
+    /// The cartons: all of one size, stacked in equal layers.
+    pub struct Cartons {
+        /// Two sides of the top face, in either order, and the height, mm.
+        size_mm: [f64; 3], Numbers::<3>(LENGTH_MM), required;
+        /// Number of layers.
+        layers: u32, whole(1, 30), required;
+        /// How a layer is laid.
+        pattern: Pattern, table(), section;
+        /// Number of cartons; the last ones of the top layer are left out.
+        /// Default: columns x rows x layers.
+        count: Option<u32>, Maybe(whole(1, 12_000)), default(None);
+        /// Mass of a carton, kg, or [smallest, largest] to draw each one's from the seed.
+        /// Default [8, 20]: the usual range of mixed grocery cartons that people may still lift.
+        mass_kg: Span, SpanOf(MASS_KG), default(Span { min: 8.0, max: 20.0 });
+        /// Coefficient of friction between cartons.
+        /// Default 0.45: cardboard on cardboard is 0.3 to 0.6; a lower one lets neighbours be dragged less.
+        friction: f64, FRICTION, default(0.45);
+    }
+    check check_cartons;
+}
+
+impl Cartons {
+    /// Number of cartons on the full pallet.
+    pub fn total(&self) -> u32 {
+        self.count
+            .unwrap_or(self.pattern.columns * self.pattern.rows * self.layers)
+    }
+}
+
+fn check_cartons(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
+    let per_layer = cartons.pattern.columns * cartons.pattern.rows;
+    let most = per_layer * cartons.layers;
+    let least = most - per_layer + 1;
+    if let Some(count) = cartons.count
+        && !(least..=most).contains(&count)
+    {
+        checker.problem(
+            "count",
+            format!(
+                "expected {least} to {most} ({} x {} cartons in each of {} layers), found {count}",
+                cartons.pattern.columns, cartons.pattern.rows, cartons.layers
+            ),
+            Some("change layers for a lower stack"),
+        );
+    }
+}
+
+section! {
+    /// How untidy the stack is; every draw comes from the seed, each key from its own stream.
+    ///
+    /// What a scene does not ask for is not random.
+    pub struct Randomize {
+        /// Clear distance between neighbours in a layer, mm, or [smallest, largest]; stream `cartons.gap`.
+        /// Default 4: the middle of what case packers leave.
+        gap_mm: Span, SpanOf(number(0.0, 500.0)), default(Span::of(4.0));
+        /// Largest turn of a carton about Z, degrees, either way; stream `cartons.yaw`.
+        /// Default 0.
+        yaw_deg: f64, number(0.0, 20.0), default(0.0);
+        /// Largest shift of a carton along the pallet's X and Y, mm, either way; stream `cartons.shift`.
+        /// Between neighbours a shift is cut short where it would leave the range of `gap_mm`.
+        /// Default 0.
+        shift_mm: f64, number(0.0, 100.0), default(0.0);
+    }
+}
+
+section! {
+    /// The belt that takes the cartons away. Its frame has X along the travel and Z up.
+    pub struct Conveyor {
+        /// Middle of the belt's upper surface, in the world, mm.
+        xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
+        /// Direction of travel, degrees from the world's X, counter-clockwise seen from above.
+        yaw_deg: f64, ANGLE_DEG, default(0.0);
+        /// Length along the travel, width, and thickness of the belt body, mm.
+        size_mm: [f64; 3], Numbers::<3>(LENGTH_MM), default([3000.0, 600.0, 100.0]);
+        /// Speed of the belt, mm/s.
+        /// Default 400: clears a 400 mm carton in a second, well below one pick's time.
+        speed_mm_s: f64, number(0.0, 3000.0), default(400.0);
+        /// Coefficient of friction of the belt.
+        /// Default 0.6: a lower one lets cartons slip when they land.
+        friction: f64, FRICTION, default(0.6);
+        /// Where the middle of a carton's bottom is to be placed, in the world, mm.
+        place_xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
+        /// Where a placed carton's long side points, degrees from the world's X.
+        /// Default 0.
+        place_yaw_deg: f64, ANGLE_DEG, default(0.0);
+    }
+    check check_conveyor;
+}
+
+fn check_conveyor(conveyor: &Conveyor, checker: &mut Checker<'_, '_>) {
+    let [x, y, z] = [0, 1, 2].map(|axis| conveyor.place_xyz_mm[axis] - conveyor.xyz_mm[axis]);
+    let (sin, cos) = conveyor.yaw_deg.to_radians().sin_cos();
+    let along = cos * x + sin * y;
+    let across = cos * y - sin * x;
+    let [length, width, _] = conveyor.size_mm;
+    if along.abs() > length / 2.0 || across.abs() > width / 2.0 {
+        checker.problem(
+            "place_xyz_mm",
+            format!(
+                "expected a place on the belt (at most {} mm along and {} mm across from its middle), \
+                 found {along:.0} mm along and {across:.0} mm across",
+                length / 2.0,
+                width / 2.0
+            ),
+            None,
+        );
+    }
+    if !(0.0..=500.0).contains(&z) {
+        checker.problem(
+            "place_xyz_mm",
+            format!("expected 0 to 500 mm above the belt, found {z:.0} mm"),
+            None,
+        );
+    }
+}
