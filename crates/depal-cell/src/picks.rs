@@ -1,0 +1,227 @@
+//! From valve edges and physics events to picks with one outcome each.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use depal_gripper::LossReason;
+use depal_time::{SimDuration, SimTime};
+use depal_world::{Body, WorldEvent};
+
+use crate::event::{EventKind, FailureReason, round};
+use crate::score::{CartonFate, Score};
+
+/// A released carton must touch the belt within this time, or the place was missed.
+const PLACE_TIME: SimDuration = SimDuration::from_millis(1500);
+
+/// Follows the gripper through picks. A pick runs from vacuum on to the carton on the belt.
+#[derive(Debug, Default)]
+pub(crate) struct PickKeeper {
+    valves_on: bool,
+    vacuum_ok: bool,
+    released_at: Option<SimTime>,
+    touched_belt: BTreeSet<u32>,
+    last_failure: BTreeMap<u32, (FailureReason, String)>,
+    collided: bool,
+}
+
+impl PickKeeper {
+    /// Whether anything was hit in this run.
+    pub(crate) fn collided(&self) -> bool {
+        self.collided
+    }
+
+    /// Whether a carton has been on the belt.
+    pub(crate) fn has_touched_belt(&self, carton: u32) -> bool {
+        self.touched_belt.contains(&carton)
+    }
+
+    /// Valves and vacuum switch of this tick. `target` is the carton that the current plan aims at.
+    pub(crate) fn valves(
+        &mut self,
+        now: SimTime,
+        valves: &[bool],
+        vacuum_ok: bool,
+        target: Option<u32>,
+        score: &mut Score,
+        events: &mut Vec<EventKind>,
+    ) {
+        let on = valves.iter().any(|valve| *valve);
+        if on && !self.valves_on {
+            self.conclude(now, score, events);
+            let pick = score.start_pick(now, target);
+            let sections = (0..valves.len()).filter(|i| valves[*i]).collect();
+            events.push(EventKind::PickStarted {
+                pick,
+                sections,
+                target,
+            });
+        }
+        if vacuum_ok
+            && !self.vacuum_ok
+            && let Some(pick) = score.open_pick_mut()
+        {
+            pick.vacuum_reached = true;
+            events.push(EventKind::VacuumReached { pick: pick.number });
+        }
+        if !on && self.valves_on {
+            self.released_at = Some(now);
+            if score.open_pick().is_some_and(|pick| pick.held.is_none()) {
+                self.conclude(now, score, events);
+            }
+        }
+        self.valves_on = on;
+        self.vacuum_ok = vacuum_ok;
+        if let Some(released_at) = self.released_at {
+            let on_belt = score
+                .open_pick()
+                .and_then(|pick| pick.held)
+                .is_some_and(|carton| self.touched_belt.contains(&carton));
+            if on_belt || now - released_at > PLACE_TIME {
+                self.conclude(now, score, events);
+            }
+        }
+    }
+
+    /// Ends the open pick, if there is one.
+    pub(crate) fn conclude(
+        &mut self,
+        now: SimTime,
+        score: &mut Score,
+        events: &mut Vec<EventKind>,
+    ) {
+        self.released_at = None;
+        let Some(pick) = score.open_pick() else {
+            return;
+        };
+        let otherwise = match pick.held {
+            Some(carton) if self.touched_belt.contains(&carton) => None,
+            Some(carton) => Some((
+                FailureReason::PlaceMissed,
+                format!("carton {carton} was released but did not reach the belt"),
+            )),
+            None => Some((
+                FailureReason::NoSeal,
+                "the vacuum switch did not close on a carton".to_owned(),
+            )),
+        };
+        let Some((pick, failure, cycle)) = score.finish_pick(now, otherwise) else {
+            return;
+        };
+        if let (Some(carton), Some(failure)) = (pick.held.or(pick.target), &failure) {
+            self.last_failure.insert(carton, failure.clone());
+        }
+        events.push(EventKind::PickFinished {
+            pick: pick.number,
+            carton: pick.held,
+            reason: failure.as_ref().map(|(reason, _)| *reason),
+            detail: failure.map_or_else(|| "delivered to the belt".to_owned(), |(_, detail)| detail),
+            cycle_s: round(cycle.as_secs_f64(), 1e6),
+        });
+    }
+
+    /// One physics event. Returns the description of a collision that the controller must hear of.
+    pub(crate) fn world_event(
+        &mut self,
+        event: &WorldEvent,
+        score: &mut Score,
+        events: &mut Vec<EventKind>,
+    ) -> Option<String> {
+        match event {
+            WorldEvent::GripStarted { carton, .. } => {
+                if let Some(pick) = score.open_pick_mut() {
+                    if let Some(target) = pick.target.filter(|target| *target != carton.0) {
+                        pick.failure.get_or_insert((
+                            FailureReason::WrongBox,
+                            format!("planned carton {target}, took hold of carton {}", carton.0),
+                        ));
+                    }
+                    pick.held.get_or_insert(carton.0);
+                    events.push(EventKind::Gripped {
+                        pick: pick.number,
+                        carton: carton.0,
+                    });
+                }
+            }
+            WorldEvent::GripReleased { .. } => {}
+            WorldEvent::GripLost {
+                carton,
+                reason,
+                load_n,
+                limit_n,
+            } => {
+                let reason = match reason {
+                    LossReason::NoSeal => FailureReason::NoSeal,
+                    LossReason::SealLost => FailureReason::SealLost,
+                    LossReason::Dropped => FailureReason::Dropped,
+                };
+                let detail = format!(
+                    "carton {}: load {load_n:.0} N, the sealed cups hold {limit_n:.0} N",
+                    carton.0
+                );
+                if let Some(pick) = score.open_pick_mut() {
+                    pick.failure.get_or_insert((reason, detail.clone()));
+                    events.push(EventKind::GripLost {
+                        pick: pick.number,
+                        carton: carton.0,
+                        reason,
+                        detail: detail.clone(),
+                    });
+                }
+                self.last_failure.insert(carton.0, (reason, detail));
+            }
+            WorldEvent::CartonTouchedBelt { carton, .. } => {
+                self.touched_belt.insert(carton.0);
+                score.fates.insert(carton.0, CartonFate::OnConveyor);
+            }
+            WorldEvent::CartonDelivered { carton, .. } => {
+                score.fates.insert(carton.0, CartonFate::Delivered);
+                events.push(EventKind::Delivered { carton: carton.0 });
+            }
+            WorldEvent::CartonOnFloor { carton } => {
+                let (reason, detail) = self.last_failure.get(&carton.0).cloned().unwrap_or((
+                    FailureReason::NeighbourMoved,
+                    "pushed off without having been picked".to_owned(),
+                ));
+                score.fates.insert(carton.0, CartonFate::Lost(reason));
+                events.push(EventKind::Lost {
+                    carton: carton.0,
+                    reason,
+                    detail,
+                });
+            }
+            WorldEvent::NeighbourMoved { carton, distance } => {
+                events.push(EventKind::NeighbourMoved {
+                    carton: carton.0,
+                    distance_mm: round(distance * 1e3, 1e3),
+                });
+            }
+            WorldEvent::Collision { a, b, force_n } => {
+                let (a, b) = (body_name(a), body_name(b));
+                let text = if force_n.is_finite() {
+                    format!("{a} hit {b} with {force_n:.0} N")
+                } else {
+                    format!("{a} ran into {b}")
+                };
+                self.collided = true;
+                if let Some(pick) = score.open_pick_mut() {
+                    pick.failure
+                        .get_or_insert((FailureReason::Collision, text.clone()));
+                }
+                // Infinity has no JSON form; nothing gives way, so the largest float says as much.
+                let force_n = round(force_n.min(1e6), 1e3);
+                events.push(EventKind::Collision { a, b, force_n });
+                return Some(text);
+            }
+        }
+        None
+    }
+}
+
+fn body_name(body: &Body) -> String {
+    match body {
+        Body::Carton(id) => format!("carton {}", id.0),
+        Body::Link(name) => format!("arm link {name}"),
+        Body::Tool => "gripper".to_owned(),
+        Body::Cups => "suction cups".to_owned(),
+        Body::Fixed(name) | Body::Conveyor(name) => name.clone(),
+    }
+}

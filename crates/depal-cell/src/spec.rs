@@ -1,0 +1,98 @@
+//! Everything a cell is made of, in SI units: what a scene file comes down to.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use depal_arm::Arm;
+use depal_camera::CameraSpec;
+use depal_controller::ControllerSpec;
+use depal_frames::{BoxSize, PlacedShape, Pose};
+use depal_gripper::GripperSpec;
+use depal_interface::ServerSettings;
+use depal_planner::{PlaceSpec, PlannerSettings};
+use depal_time::SimDuration;
+use depal_vision::VisionSettings;
+use depal_workflow::Project;
+use depal_world::{CartonSpec, WorldSpec};
+
+/// The whole cell before its first tick.
+#[derive(Debug, Clone)]
+pub struct CellSpec {
+    /// Name of the scene.
+    pub scene: String,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// The arm.
+    pub arm: Arc<Arm>,
+    /// Where its base stands.
+    pub world_from_base: Pose,
+    /// The tool.
+    pub gripper: GripperSpec,
+    /// What the vacuum pump really reaches, Pa below ambient; the gripper's switches keep their rating.
+    pub available_vacuum: f64,
+    /// Signals between cabinet and gripper.
+    pub wiring: GripperWiring,
+    /// Floor, pallet, fences, conveyors and the physics' settings.
+    pub world: WorldSpec,
+    /// Cartons as they are stacked, before they settle.
+    pub cartons: Vec<CartonSpec>,
+    /// How long they settle before the start.
+    pub settle_time: SimDuration,
+    /// The camera.
+    pub camera: CameraSpec,
+    /// Where the camera really is.
+    pub world_from_camera: Pose,
+    /// Where calibration says it is; vision results reach the robot through this pose alone.
+    pub base_from_camera: Pose,
+    /// The vision projects by number.
+    pub projects: BTreeMap<i32, VisionProject>,
+    /// The planning project.
+    pub workflow: Project,
+    /// The vision server.
+    pub interface: ServerSettings,
+    /// The port that the robot program connects to.
+    pub port: u16,
+    /// The cabinet.
+    pub controller: ControllerSpec,
+    /// What the planner knows about the cell, base frame: floor, pallet, conveyor, fences.
+    pub known_obstacles: Vec<PlacedShape>,
+    /// Where cartons go.
+    pub place: PlaceSpec,
+    /// Tunables of the planner.
+    pub planner: PlannerSettings,
+    /// How long things take, in simulated time.
+    pub latencies: Latencies,
+    /// After this the run is over.
+    pub time_limit: SimDuration,
+}
+
+/// One vision project: what a user would have typed in.
+#[derive(Debug, Clone)]
+pub struct VisionProject {
+    /// Settings of the estimation, sizes of the first recipe included. The region is in the camera frame.
+    pub settings: VisionSettings,
+    /// Sizes by recipe number.
+    pub recipes: BTreeMap<i32, Vec<BoxSize>>,
+}
+
+/// Signals between cabinet and gripper.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GripperWiring {
+    /// Group outputs of 16 bits; digital output `d` of a section is bit `d % 16` of group `d / 16`.
+    pub groups: Vec<String>,
+    /// Digital input: every switched-on section holds vacuum.
+    pub vacuum_ok: String,
+}
+
+/// How long things take, in simulated time, whatever the computer needs for them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Latencies {
+    /// One way between robot and vision server.
+    pub network: SimDuration,
+    /// From the trigger to the middle of the exposure.
+    pub exposure: SimDuration,
+    /// From the exposure to the carton poses: transfer and estimation.
+    pub vision: SimDuration,
+    /// From the poses to the path.
+    pub planning: SimDuration,
+}

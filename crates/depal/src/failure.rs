@@ -1,0 +1,34 @@
+//! How a command fails: one message for people, one exit code for scripts.
+
+use std::process::ExitCode;
+
+/// Why a command did not do what it was asked to.
+#[derive(Debug)]
+pub enum Failure {
+    /// The run is over and missed a threshold of `[accept]`: exit code 1. The report has been shown.
+    NotAccepted,
+    /// The scene, a program or an argument is wrong: exit code 2.
+    Input(String),
+    /// The machine does not let us: exit code 3.
+    Environment(String),
+    /// The run's time limit passed: exit code 4. The report has been shown.
+    TimeLimit,
+}
+
+impl Failure {
+    /// Prints the message, if one is left to print, and gives the exit code.
+    pub fn report(&self) -> ExitCode {
+        match self {
+            Self::NotAccepted => ExitCode::from(1),
+            Self::Input(message) => {
+                eprintln!("error: {message}");
+                ExitCode::from(2)
+            }
+            Self::Environment(message) => {
+                eprintln!("error: {message}");
+                ExitCode::from(3)
+            }
+            Self::TimeLimit => ExitCode::from(4),
+        }
+    }
+}

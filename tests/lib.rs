@@ -1,0 +1,1 @@
+//! Whole-cell tests. The one test binary is `main.rs`.

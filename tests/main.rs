@@ -1,0 +1,3 @@
+//! One test binary: what only the whole house can show.
+
+mod tidy;

@@ -1,1 +1,0 @@
-//! Whole-cell tests live in `main.rs`, the one test binary.
