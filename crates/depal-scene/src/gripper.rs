@@ -75,13 +75,16 @@ section! {
         /// Vacuum below the air around that the pump reaches on a closed zone, kPa.
         /// Default 30: porous cardboard lets 20 to 40 through; less lifts less.
         vacuum_kpa: f64, number(0.0, 101.3), default(30.0);
+        /// Vacuum that the switches are set for, kPa: their shares refer to it, whatever the pump reaches.
+        /// Default 30: the default of `vacuum_kpa`.
+        rated_vacuum_kpa: f64, number(1.0, 101.3), default(30.0);
         /// Time constant of building up vacuum in a sealed zone, s.
         /// Default 0.08: switch closed after about 0.1 s.
         build_up_s: f64, above(0.0, 10.0), default(0.08);
         /// Time constant of venting with blow-off, s.
         /// Default 0.04: released after about 0.12 s.
         blow_off_s: f64, above(0.0, 10.0), default(0.04);
-        /// The vacuum switch closes above this share of `vacuum_kpa` ...
+        /// The vacuum switch closes above this share of `rated_vacuum_kpa` ...
         /// Default 0.6.
         switch_on: f64, SHARE, default(0.6);
         /// ... and opens below this one.

@@ -22,6 +22,7 @@
 //!
 //! Limitations: one pallet, one carton size, one camera, one arm, one gripper.
 
+mod build;
 mod camera;
 mod document;
 mod embedded;
@@ -40,6 +41,7 @@ mod stack;
 mod vision;
 mod viz;
 
+pub use build::{BuildError, Built, load_program};
 pub use camera::{Camera, SensorPreset};
 pub use error::{SceneErrors, SceneProblem};
 pub use files::{Resolver, read_text};

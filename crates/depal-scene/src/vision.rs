@@ -1,7 +1,7 @@
 //! The projects that a vision server has been given.
 
 use crate::reader::{Checker, section};
-use crate::rules::{LENGTH_MM, ListOf, Numbers, OneOrMore, Text, choice, one_of, table, whole};
+use crate::rules::{COORDINATE_MM, Maybe, LENGTH_MM, ListOf, Numbers, OneOrMore, Text, choice, one_of, table, whole};
 
 choice! {
     /// What a vision project answers with.
@@ -36,6 +36,11 @@ section! {
         box_mm: Vec<[f64; 3]>, OneOrMore(Numbers::<3>(LENGTH_MM), 32), required;
         /// What it answers with.
         output: ProjectOutput, one_of(), default(ProjectOutput::Poses);
+        /// Middle of the box in the world in which cartons are looked for, mm; with `region_size_mm`.
+        /// Default: the air above the pallet, 150 mm over its edges, 30 mm below its deck.
+        region_xyz_mm: Option<[f64; 3]>, Maybe(Numbers::<3>(COORDINATE_MM)), default(None);
+        /// Size of that box along the world's axes, mm.
+        region_size_mm: Option<[f64; 3]>, Maybe(Numbers::<3>(LENGTH_MM)), default(None);
         /// What a command can switch it to.
         /// Default: nothing.
         recipes: Vec<Recipe>, ListOf(table(), 0, 99), default(Vec::new());

@@ -1,0 +1,243 @@
+//! From a scene to a cell: millimetres, degrees and names become the specifications of the rooms.
+
+mod gripper;
+mod program;
+mod solids;
+mod vision;
+
+use std::sync::Arc;
+
+use depal_arm::{Arm, ArmError};
+use depal_camera::{CameraSpec, SensorSpec};
+use depal_cell::error::CellError;
+use depal_cell::spec::{CellSpec, GripperWiring, Latencies};
+use depal_controller::{ControllerSpec, SignalSpec};
+use depal_frames::{Intrinsics, JointPositions, PlacedShape};
+use depal_planner::{PlaceSpec, PlannerSettings};
+use depal_time::SimDuration;
+use depal_vm::execution::RobotTask;
+use depal_vm::{Diagnostic, SourceFile};
+use depal_world::{CartonSpec, WorldSpec};
+
+use crate::camera::{Camera, SensorPreset};
+use crate::layout::carton_layout;
+use crate::robot::{Signal, SignalKind};
+use crate::scene::Scene;
+
+pub use program::load_program;
+
+/// A scene that is ready to run.
+pub struct Built {
+    /// The cell.
+    pub spec: CellSpec,
+    /// The robot's task.
+    pub task: Box<dyn RobotTask>,
+    /// The program's texts, for messages.
+    pub sources: Vec<SourceFile>,
+    /// Warnings about the program.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// Why a scene that reads well cannot be run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// The arm's file is wrong.
+    #[error("robot.urdf: {0}")]
+    Arm(#[from] ArmError),
+    /// The robot program is wrong; the diagnostics say where.
+    #[error("robot.program: {} error(s)", diagnostics.len())]
+    Program {
+        /// Errors and warnings, in the order of the text.
+        diagnostics: Vec<Diagnostic>,
+        /// The texts that they point into.
+        sources: Vec<SourceFile>,
+    },
+    /// Two parts do not fit together.
+    #[error("{key}: {message}")]
+    Mismatch {
+        /// The key to change.
+        key: &'static str,
+        /// Expected and found.
+        message: String,
+    },
+    /// The scene asks for something that cannot be simulated yet.
+    #[error("{key}: {what} is not simulated yet")]
+    Unsupported {
+        /// The key.
+        key: String,
+        /// What.
+        what: String,
+    },
+    /// The cell refuses.
+    #[error(transparent)]
+    Cell(#[from] CellError),
+}
+
+impl Scene {
+    /// Makes the cell and loads the robot program.
+    ///
+    /// # Errors
+    /// See [`BuildError`]; nothing is half built.
+    pub fn build(&self) -> Result<Built, BuildError> {
+        let robot = &self.robot;
+        let accelerations: Vec<f64> = robot
+            .acceleration_deg_s2
+            .iter()
+            .map(|a| a.to_radians())
+            .collect();
+        let arm = Arc::new(Arm::from_urdf(
+            &robot.urdf.text,
+            &robot.urdf.path,
+            &accelerations,
+        )?);
+        if robot.start_joints_deg.len() != arm.joint_count() {
+            return Err(BuildError::Mismatch {
+                key: "robot.start_joints_deg",
+                message: format!(
+                    "expected {} values, one for each joint of {}, found {}",
+                    arm.joint_count(),
+                    arm.name(),
+                    robot.start_joints_deg.len()
+                ),
+            });
+        }
+        let start = JointPositions::from_degrees(&robot.start_joints_deg);
+        if !arm.within_limits(&start) {
+            return Err(BuildError::Mismatch {
+                key: "robot.start_joints_deg",
+                message: format!(
+                    "expected angles inside the limits of {}, found {:?}",
+                    arm.name(),
+                    robot.start_joints_deg
+                ),
+            });
+        }
+        let program = load_program(robot)?;
+        let mut controller = ControllerSpec::new("rob1", Arc::clone(&arm), start);
+        controller.signals = robot.signal.iter().map(signal).collect();
+        controller.statement_cost = SimDuration::from_nanos((robot.statement_cost_us * 1e3) as u64);
+
+        let world_from_base = solids::pose_mm_yaw(robot.base_xyz_mm, robot.base_yaw_deg);
+        let base_from_world = world_from_base.inverse();
+        let world_from_camera = self.camera.world_from_camera();
+        let base_from_camera = base_from_world * world_from_camera;
+        let to_base = |shape: &PlacedShape| shape.moved(&base_from_world);
+        let spec = CellSpec {
+            scene: self.name.clone(),
+            seed: self.seed,
+            world_from_base,
+            gripper: gripper::gripper(&self.gripper),
+            available_vacuum: self.gripper.vacuum_kpa * 1e3,
+            wiring: GripperWiring {
+                groups: vec![self.gripper.sections_signal.clone()],
+                vacuum_ok: self.gripper.vacuum_signal.clone(),
+            },
+            world: WorldSpec {
+                fixed: solids::fixed_bodies(self),
+                conveyors: vec![solids::conveyor(&self.conveyor)],
+                ..WorldSpec::default()
+            },
+            cartons: self.carton_specs(),
+            settle_time: SimDuration::from_millis(2000),
+            camera: camera(&self.camera)?,
+            world_from_camera,
+            base_from_camera,
+            projects: vision::projects(self, &base_from_camera.inverse())?,
+            workflow: vision::workflow(self)?,
+            interface: vision::server(self),
+            port: self.interface.port,
+            controller,
+            known_obstacles: solids::known_obstacles(self).iter().map(to_base).collect(),
+            place: PlaceSpec {
+                base_from_place: base_from_world
+                    * solids::pose_mm_yaw(self.conveyor.place_xyz_mm, self.conveyor.place_yaw_deg),
+                yaws: vec![0.0, std::f64::consts::PI],
+            },
+            planner: self.planner_settings(),
+            latencies: Latencies {
+                network: SimDuration::from_secs_f64(self.latency.network_ms * 1e-3),
+                exposure: SimDuration::from_secs_f64(self.camera.exposure_s),
+                vision: SimDuration::from_secs_f64(self.latency.vision_s),
+                planning: SimDuration::from_secs_f64(self.latency.planning_s),
+            },
+            time_limit: SimDuration::from_secs_f64(self.run.max_sim_s),
+            arm,
+        };
+        Ok(Built {
+            spec,
+            task: program.task,
+            sources: program.sources,
+            warnings: program.warnings,
+        })
+    }
+
+    fn carton_specs(&self) -> Vec<CartonSpec> {
+        carton_layout(self, self.streams())
+            .into_iter()
+            .map(|placement| CartonSpec {
+                size: placement.size,
+                mass: placement.mass_kg,
+                world_from_centre: placement.world_from_carton,
+                friction: self.cartons.friction,
+            })
+            .collect()
+    }
+
+    fn planner_settings(&self) -> PlannerSettings {
+        let planner = &self.planner;
+        PlannerSettings {
+            max_waypoints: planner.max_waypoints as usize,
+            max_carton_mass: planner.assumed_mass_kg,
+            suction_safety: planner.suction_safety,
+            approach_height: planner.approach_mm * 1e-3,
+            place_height: planner.approach_mm * 1e-3,
+            lift_clearance: planner.lift_mm * 1e-3,
+            transfer_padding: planner.clearance_mm * 1e-3,
+            ..PlannerSettings::default()
+        }
+    }
+}
+
+fn signal(signal: &Signal) -> SignalSpec {
+    use depal_controller::SignalKind as Kind;
+    let bits = signal.bits as u8;
+    let kind = match signal.kind {
+        SignalKind::DigitalInput => Kind::DigitalInput,
+        SignalKind::DigitalOutput => Kind::DigitalOutput,
+        SignalKind::GroupInput => Kind::GroupInput { bits },
+        SignalKind::GroupOutput => Kind::GroupOutput { bits },
+    };
+    SignalSpec::new(&signal.name, kind)
+}
+
+fn camera(camera: &Camera) -> Result<CameraSpec, BuildError> {
+    let [cx, cy] = camera.principal_point_px();
+    let mut sensor = match camera.sensor {
+        SensorPreset::Laser => SensorSpec {
+            axial_noise: camera.noise_mm * 1e-3,
+            ..SensorSpec::laser_structured_light()
+        },
+        SensorPreset::Ideal => SensorSpec::ideal(),
+    };
+    sensor.blackout = camera.blackout;
+    let spec = CameraSpec {
+        intrinsics: Intrinsics {
+            width: camera.width as usize,
+            height: camera.height as usize,
+            fx: camera.focal_px[0],
+            fy: camera.focal_px[1],
+            cx,
+            cy,
+        },
+        near: camera.near_mm * 1e-3,
+        far: camera.far_mm * 1e-3,
+        baseline: camera.baseline_mm * 1e-3,
+        sensor,
+    };
+    spec.validate().map_err(|error| BuildError::Mismatch {
+        key: "camera",
+        message: error.to_string(),
+    })?;
+    Ok(spec)
+}
