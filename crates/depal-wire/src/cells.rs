@@ -191,6 +191,8 @@ pub(crate) enum Cell {
     Int(i32),
     /// Real: single precision in HEX, decimals of the profile in ASCII.
     Real(f64),
+    /// A whole number that is single precision in HEX and has no point in ASCII.
+    Count(f64),
 }
 
 /// Collects the cells of one message.
@@ -206,6 +208,11 @@ impl CellWriter {
 
     pub(crate) fn real(&mut self, value: f64) {
         self.cells.push(Cell::Real(value));
+    }
+
+    /// A whole number among reals: labels and counters of the plan data.
+    pub(crate) fn count(&mut self, value: f64) {
+        self.cells.push(Cell::Count(value));
     }
 
     pub(crate) fn reals(&mut self, values: &[f64]) {
@@ -258,6 +265,7 @@ impl CellWriter {
             .map(|cell| match cell {
                 Cell::Int(value) => value.to_string(),
                 Cell::Real(value) => real(*value),
+                Cell::Count(value) => format!("{value:.0}"),
             })
             .collect();
         fields.join(",")
@@ -268,7 +276,7 @@ impl CellWriter {
         for cell in &self.cells {
             let mut word = match cell {
                 Cell::Int(value) => value.to_le_bytes(),
-                Cell::Real(value) => (*value as f32).to_le_bytes(),
+                Cell::Real(value) | Cell::Count(value) => (*value as f32).to_le_bytes(),
             };
             if encoding == Encoding::HexBigEndian {
                 word.reverse();

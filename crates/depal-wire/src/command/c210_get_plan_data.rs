@@ -15,6 +15,10 @@ use crate::request::BodyError;
 /// Numbers in the plan data of a Vision Move.
 pub const PLAN_VALUES: usize = 21;
 
+/// Places of the plan values that are whole numbers: ten labels, picked in total and now, edge or corner,
+/// and the two orientations. The others are millimetres.
+const COUNTED_PLAN_VALUES: [usize; 15] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 16, 17];
+
 /// Command 210.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GetPlanData {
@@ -70,7 +74,13 @@ impl PlanPoint {
         cells.int(self.velocity_percent);
         if let Some(vision_move) = &self.vision_move {
             if let Some(plan) = &vision_move.plan {
-                cells.reals(plan);
+                for (index, value) in plan.iter().enumerate() {
+                    if COUNTED_PLAN_VALUES.contains(&index) {
+                        cells.count(*value);
+                    } else {
+                        cells.real(*value);
+                    }
+                }
             }
             cells.int(i32::try_from(vision_move.custom.len()).unwrap_or(i32::MAX));
             cells.reals(&vision_move.custom);
