@@ -1,0 +1,145 @@
+use depal_frames::{BoxSize, JointPositions, Pose, Vector};
+use depal_wire::Status;
+
+use crate::PortId;
+
+/// One run of a project. Results of a run that was stopped or overtaken are ignored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct JobId {
+    /// The session that wants it.
+    pub port: PortId,
+    /// Counts the runs of that session, from 1.
+    pub number: u32,
+}
+
+/// Work for the cell.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Job {
+    /// Capture and recognise; report with [`crate::Server::finish_vision`].
+    RunVision {
+        /// The run.
+        job_id: JobId,
+        /// Number of the vision project.
+        project: i32,
+        /// Recipe chosen by 103, if any.
+        recipe: Option<i32>,
+        /// Box size set by 501, if any; it overrides the project's.
+        box_size: Option<BoxSize>,
+        /// Where the robot says it is.
+        pose: RobotPose,
+    },
+    /// Run the Viz project; report with [`crate::Server::finish_viz`].
+    StartViz {
+        /// The run.
+        job_id: JobId,
+        /// Where the path starts; absent: the planner's home.
+        start: Option<JointPositions>,
+        /// Box sizes set by 501, by vision project.
+        box_sizes: Vec<(i32, BoxSize)>,
+        /// Recipes chosen by 103, by vision project.
+        recipes: Vec<(i32, i32)>,
+    },
+    /// Give the run up; no report is wanted.
+    StopViz {
+        /// The run.
+        job_id: JobId,
+    },
+    /// A branch step that waits may go on.
+    SetBranch {
+        /// The run.
+        job_id: JobId,
+        /// Step id.
+        step: i32,
+        /// Exit, from 0.
+        exit: usize,
+    },
+}
+
+/// What a robot tells with command 101.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RobotPose {
+    /// Nothing.
+    NotSent,
+    /// Where it is now.
+    Current {
+        /// Joints, radians, unless it has none to tell.
+        joints: Option<JointPositions>,
+        /// Flange in the robot base, unless not sent.
+        base_from_flange: Option<Pose>,
+    },
+    /// Where a planned path shall start, radians.
+    PathStart(JointPositions),
+}
+
+/// What vision found, or why it did not.
+pub type VisionOutcome = Result<Vec<VisionPoint>, Status>;
+
+/// One object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VisionPoint {
+    /// Centre of the top face, Z up out of it, X along the long side.
+    pub base_from_object: Pose,
+    /// Class of the object, 0 if none.
+    pub label: i32,
+}
+
+/// What the Viz project planned, or why it did not.
+pub type VizOutcome = Result<VizPath, Status>;
+
+/// A planned path.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct VizPath {
+    /// Waypoints in order.
+    pub points: Vec<PathPoint>,
+    /// Numbers of the gripper's outputs to switch on at the Vision Move; at most 64.
+    pub digital_outputs: Vec<u16>,
+}
+
+/// How a waypoint is reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// All joints together; 1 on the wire.
+    Joint,
+    /// Straight line of the TCP; 2 on the wire.
+    Linear,
+}
+
+/// One waypoint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathPoint {
+    /// Joints, radians.
+    pub joints: JointPositions,
+    /// Tool centre point in the robot base, Z out of the tool.
+    pub base_from_tcp: Pose,
+    /// How it is reached.
+    pub motion: Motion,
+    /// Tool id, -1 for none.
+    pub tool: i32,
+    /// Velocity, percent.
+    pub velocity_percent: f64,
+    /// Label of the picked object, 0 if none.
+    pub label: i32,
+    /// Present if this is the waypoint of a Vision Move step.
+    pub vision_move: Option<VisionMoveData>,
+}
+
+/// What is picked at a Vision Move waypoint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VisionMoveData {
+    /// Labels of the picked objects; unused places are 0.
+    pub labels: [i32; 10],
+    /// Objects picked since the start of the project, these included.
+    pub picked_total: i32,
+    /// Objects picked now.
+    pub picked_now: i32,
+    /// Edge or corner of the gripper that is used.
+    pub edge_or_corner: i32,
+    /// From the tool centre to the centre of the picked group, in the tool frame, metres.
+    pub group_from_tcp_offset: Vector,
+    /// The group's long side is square to the gripper's long side instead of parallel.
+    pub is_group_square: bool,
+    /// The single box's long side is square to the gripper's long side instead of parallel.
+    pub is_box_square: bool,
+    /// Outer size of the group, metres.
+    pub group_size: BoxSize,
+}

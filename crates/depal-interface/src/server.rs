@@ -1,0 +1,108 @@
+use depal_time::SimTime;
+
+use crate::job::{Job, JobId, VisionOutcome, VizOutcome};
+use crate::log::LogEntry;
+use crate::session::{ConnectionId, Outgoing, Session};
+use crate::settings::{InterfaceError, PortId, ServerSettings};
+
+/// All ports together. Sessions never touch one another.
+///
+/// Calls that name a port which does not exist are ignored.
+#[derive(Debug, Clone)]
+pub struct Server {
+    sessions: Vec<Session>,
+}
+
+impl Server {
+    /// Sets up one session a port.
+    pub fn new(settings: ServerSettings) -> Result<Self, InterfaceError> {
+        settings.check()?;
+        let sessions = settings
+            .ports
+            .iter()
+            .enumerate()
+            .map(|(place, port)| Session::new(PortId(place as u16), port.clone(), &settings))
+            .collect();
+        Ok(Self { sessions })
+    }
+
+    /// A client connected to a port.
+    pub fn handle_connect(&mut self, now: SimTime, port: PortId, connection: ConnectionId) {
+        if let Some(session) = self.session(port) {
+            session.handle_connect(now, connection);
+        }
+    }
+
+    /// Bytes came from a client. Poll everything afterwards.
+    pub fn handle_input(
+        &mut self,
+        now: SimTime,
+        port: PortId,
+        connection: ConnectionId,
+        bytes: &[u8],
+    ) {
+        if let Some(session) = self.session(port) {
+            session.handle_input(now, connection, bytes);
+        }
+    }
+
+    /// A client is gone.
+    pub fn handle_disconnect(&mut self, now: SimTime, port: PortId, connection: ConnectionId) {
+        if let Some(session) = self.session(port) {
+            session.handle_disconnect(now, connection);
+        }
+    }
+
+    /// Time passed. Poll everything afterwards.
+    pub fn handle_timeout(&mut self, now: SimTime) {
+        for session in &mut self.sessions {
+            session.handle_timeout(now);
+        }
+    }
+
+    /// The result of a [`Job::RunVision`].
+    pub fn finish_vision(&mut self, now: SimTime, job_id: JobId, outcome: VisionOutcome) {
+        if let Some(session) = self.session(job_id.port) {
+            session.finish_vision(now, job_id, outcome);
+        }
+    }
+
+    /// The run of a [`Job::StartViz`] stands at a branch step; the answer is a [`Job::SetBranch`],
+    /// at once if the robot has already chosen.
+    pub fn viz_waiting_at_branch(&mut self, _now: SimTime, job_id: JobId, step: i32) {
+        if let Some(session) = self.session(job_id.port) {
+            session.take_branch_wait(job_id, step);
+        }
+    }
+
+    /// The result of a [`Job::StartViz`].
+    pub fn finish_viz(&mut self, now: SimTime, job_id: JobId, outcome: VizOutcome) {
+        if let Some(session) = self.session(job_id.port) {
+            session.finish_viz(now, job_id, outcome);
+        }
+    }
+
+    /// The next reply to send, ports in order.
+    pub fn poll_reply(&mut self) -> Option<Outgoing> {
+        self.sessions.iter_mut().find_map(Session::poll_reply)
+    }
+
+    /// The next job to do.
+    pub fn poll_job(&mut self) -> Option<Job> {
+        self.sessions.iter_mut().find_map(Session::poll_job)
+    }
+
+    /// The next decoded message for the event log.
+    pub fn poll_log(&mut self) -> Option<LogEntry> {
+        self.sessions.iter_mut().find_map(Session::poll_log)
+    }
+
+    /// When [`handle_timeout`](Self::handle_timeout) has something to do; ask again after every call.
+    pub fn poll_timeout(&self) -> Option<SimTime> {
+        self.sessions.iter().filter_map(Session::poll_timeout).min()
+    }
+
+    fn session(&mut self, port: PortId) -> Option<&mut Session> {
+        self.sessions.get_mut(usize::from(port.0))
+    }
+}

@@ -1,0 +1,322 @@
+//! One port: its connections, its runs, and what waits to be sent.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use depal_time::SimTime;
+use depal_wire::{Frame, Framer, Reply, Request, Status};
+
+use crate::dispatch::Answer;
+use crate::job::{Job, JobId, VisionOutcome, VizOutcome};
+use crate::log::{Direction, LogEntry};
+use crate::settings::{PortId, PortSettings, ServerSettings, VisionProject, VizProject};
+use crate::vision_run::VisionRun;
+use crate::viz_run::VizRun;
+
+/// Characters of a message in the log.
+const LOG_TEXT_LEN: usize = 200;
+
+/// A client of a port; the number is chosen by the transport and never used twice on a port.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ConnectionId(pub u64);
+
+/// Bytes to send, in one write.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Outgoing {
+    /// The port.
+    pub port: PortId,
+    /// The connection.
+    pub connection: ConnectionId,
+    /// One whole reply.
+    pub bytes: Vec<u8>,
+    /// The command answered; 0 if it was unreadable.
+    pub command: i32,
+    /// The status code.
+    pub status: Status,
+    /// The connection is to be closed after this.
+    pub closes: bool,
+}
+
+/// The state of one port. It outlives connections: results wait for the next client.
+#[derive(Debug, Clone)]
+pub struct Session {
+    port: PortId,
+    pub(crate) settings: PortSettings,
+    pub(crate) projects: BTreeMap<i32, VisionProject>,
+    pub(crate) viz_project: Option<VizProject>,
+    pub(crate) vision: BTreeMap<i32, VisionRun>,
+    pub(crate) viz: VizRun,
+    connections: BTreeMap<ConnectionId, Framer>,
+    /// Requests whose run is not over, in order of arrival; at most one a connection.
+    waiting: Vec<Waiting>,
+    job_count: u32,
+    pub(crate) jobs: VecDeque<Job>,
+    replies: VecDeque<Outgoing>,
+    log: VecDeque<LogEntry>,
+}
+
+#[derive(Debug, Clone)]
+struct Waiting {
+    connection: ConnectionId,
+    request: Request,
+    deadline: SimTime,
+    on_timeout: Status,
+}
+
+impl Session {
+    pub(crate) fn new(port: PortId, settings: PortSettings, server: &ServerSettings) -> Self {
+        let projects: BTreeMap<_, _> = server
+            .projects
+            .iter()
+            .map(|project| (project.id, project.clone()))
+            .collect();
+        Self {
+            port,
+            settings,
+            vision: projects
+                .keys()
+                .map(|id| (*id, VisionRun::default()))
+                .collect(),
+            projects,
+            viz_project: server.viz.clone(),
+            viz: VizRun::default(),
+            connections: BTreeMap::new(),
+            waiting: Vec::new(),
+            job_count: 0,
+            jobs: VecDeque::new(),
+            replies: VecDeque::new(),
+            log: VecDeque::new(),
+        }
+    }
+
+    /// A client is there.
+    pub fn handle_connect(&mut self, _now: SimTime, connection: ConnectionId) {
+        let framer = Framer::new(
+            self.settings.encoding,
+            self.settings.profile.hex_request_len,
+        );
+        self.connections.insert(connection, framer);
+    }
+
+    /// A client is gone. What it waited for stays for the next one.
+    pub fn handle_disconnect(&mut self, _now: SimTime, connection: ConnectionId) {
+        self.connections.remove(&connection);
+        self.waiting.retain(|w| w.connection != connection);
+        self.replies.retain(|r| r.connection != connection);
+    }
+
+    /// Bytes came. Unknown connections are ignored.
+    pub fn handle_input(&mut self, now: SimTime, connection: ConnectionId, bytes: &[u8]) {
+        if let Some(framer) = self.connections.get_mut(&connection) {
+            framer.push(now, bytes);
+            self.serve(now, connection);
+        }
+    }
+
+    /// Time passed; call it when [`poll_timeout`](Self::poll_timeout) is due, or in every tick.
+    pub fn handle_timeout(&mut self, now: SimTime) {
+        while let Some(place) = self.waiting.iter().position(|w| w.deadline <= now) {
+            let late = self.waiting.remove(place);
+            let reply = Reply::status(late.request.code(), late.on_timeout);
+            self.send(now, late.connection, &reply, false);
+        }
+        self.serve_all(now);
+    }
+
+    /// The next reply to send.
+    pub fn poll_reply(&mut self) -> Option<Outgoing> {
+        self.replies.pop_front()
+    }
+
+    /// The next job to do.
+    pub fn poll_job(&mut self) -> Option<Job> {
+        self.jobs.pop_front()
+    }
+
+    /// The next log entry.
+    pub fn poll_log(&mut self) -> Option<LogEntry> {
+        self.log.pop_front()
+    }
+
+    /// When [`handle_timeout`](Self::handle_timeout) has something to do.
+    pub fn poll_timeout(&self) -> Option<SimTime> {
+        let deadlines = self.waiting.iter().map(|w| w.deadline);
+        let silences = self
+            .connections
+            .iter()
+            .filter(|(id, _)| !self.is_waiting(**id))
+            .filter_map(|(_, framer)| framer.poll_timeout());
+        deadlines.chain(silences).min()
+    }
+
+    pub(crate) fn finish_vision(&mut self, now: SimTime, job_id: JobId, outcome: VisionOutcome) {
+        self.take_vision_outcome(job_id, outcome);
+        self.answer_waiting(now);
+    }
+
+    pub(crate) fn finish_viz(&mut self, now: SimTime, job_id: JobId, outcome: VizOutcome) {
+        self.take_viz_outcome(job_id, outcome);
+        self.answer_waiting(now);
+    }
+
+    pub(crate) fn next_job_id(&mut self) -> JobId {
+        self.job_count += 1;
+        JobId {
+            port: self.port,
+            number: self.job_count,
+        }
+    }
+
+    fn is_waiting(&self, connection: ConnectionId) -> bool {
+        self.waiting.iter().any(|w| w.connection == connection)
+    }
+
+    /// Asks again for every request that waits, in order of arrival.
+    fn answer_waiting(&mut self, now: SimTime) {
+        let mut still_waiting = Vec::new();
+        for waiting in std::mem::take(&mut self.waiting) {
+            match self.dispatch(&waiting.request) {
+                Answer::Reply(reply) => self.send(now, waiting.connection, &reply, false),
+                Answer::Wait { .. } => still_waiting.push(waiting),
+            }
+        }
+        self.waiting = still_waiting;
+        self.serve_all(now);
+    }
+
+    fn serve_all(&mut self, now: SimTime) {
+        let connections: Vec<_> = self.connections.keys().copied().collect();
+        for connection in connections {
+            self.serve(now, connection);
+        }
+    }
+
+    /// Carries out the requests of a connection until one has to wait.
+    fn serve(&mut self, now: SimTime, connection: ConnectionId) {
+        while !self.is_waiting(connection) {
+            let framer = self.connections.get_mut(&connection);
+            let Some(frame) = framer.and_then(|framer| framer.poll_frame(now)) else {
+                return;
+            };
+            match frame {
+                Frame::Request(bytes) => self.handle_request(now, connection, &bytes),
+                Frame::Dropped(count) => {
+                    let text = format!("{count} bytes that make no request were dropped");
+                    self.record(now, connection, Direction::Received, 0, None, text);
+                }
+                Frame::TooLong(count) => {
+                    let text = format!("line of {count} bytes without an end; closing");
+                    self.record(now, connection, Direction::Received, 0, None, text);
+                    let reply = Reply::status(0, Status::WrongFormat);
+                    self.send(now, connection, &reply, true);
+                    self.connections.remove(&connection);
+                    return;
+                }
+            }
+        }
+    }
+
+    fn handle_request(&mut self, now: SimTime, connection: ConnectionId, bytes: &[u8]) {
+        let request = match Request::decode(self.settings.encoding, bytes) {
+            Ok(request) => request,
+            Err(error) => {
+                let command = error.command;
+                self.record(
+                    now,
+                    connection,
+                    Direction::Received,
+                    command,
+                    None,
+                    format!("refused: {}", error.reason),
+                );
+                let reply = Reply::status(command, error.status);
+                self.send(now, connection, &reply, false);
+                return;
+            }
+        };
+        let text = match &request {
+            Request::Unknown { code } => self.text_of_unknown(*code),
+            known => format!("{} ({})", known.text(), known.name()),
+        };
+        self.record(
+            now,
+            connection,
+            Direction::Received,
+            request.code(),
+            None,
+            text,
+        );
+        let runs_before = self.job_count;
+        match self.dispatch(&request) {
+            Answer::Reply(reply) => self.send(now, connection, &reply, false),
+            Answer::Wait { on_timeout } => self.waiting.push(Waiting {
+                connection,
+                request: request.clone(),
+                deadline: now + self.settings.timeout,
+                on_timeout,
+            }),
+        }
+        // A new run or a stop may answer what other connections wait for.
+        if self.job_count != runs_before || matches!(request, Request::StopViz(_)) {
+            self.answer_waiting(now);
+        }
+    }
+
+    fn text_of_unknown(&self, code: i32) -> String {
+        let swapped = code.swap_bytes();
+        if self.settings.encoding.is_hex() && Request::is_known(swapped) {
+            format!(
+                "unknown command {code}; byte order? Swapped it is {swapped}, and this port reads {}",
+                self.settings.encoding.name()
+            )
+        } else {
+            format!("unknown command {code}")
+        }
+    }
+
+    fn send(&mut self, now: SimTime, connection: ConnectionId, reply: &Reply, closes: bool) {
+        let status = reply.verdict();
+        let text = format!("{} ({})", reply.text(), status.meaning());
+        self.record(
+            now,
+            connection,
+            Direction::Sent,
+            reply.command(),
+            Some(status.code()),
+            text,
+        );
+        self.replies.push_back(Outgoing {
+            port: self.port,
+            connection,
+            bytes: reply.encode(self.settings.encoding, &self.settings.profile),
+            command: reply.command(),
+            status,
+            closes,
+        });
+    }
+
+    fn record(
+        &mut self,
+        at: SimTime,
+        connection: ConnectionId,
+        direction: Direction,
+        command: i32,
+        status: Option<i32>,
+        text: String,
+    ) {
+        let text = if text.chars().count() > LOG_TEXT_LEN {
+            let head: String = text.chars().take(LOG_TEXT_LEN).collect();
+            format!("{head}...")
+        } else {
+            text
+        };
+        self.log.push_back(LogEntry {
+            at,
+            port: self.port,
+            connection,
+            direction,
+            command,
+            status,
+            text,
+        });
+    }
+}

@@ -1,0 +1,27 @@
+//! One command, one file: what it is, its wire form, its reply and its status codes.
+//!
+//! To add one: write `cNNN_name.rs`, add it here, and add one line to the table in `request.rs`.
+
+pub(crate) mod c101_start_vision;
+pub(crate) mod c102_get_vision_points;
+pub(crate) mod c103_switch_recipe;
+pub(crate) mod c201_start_viz;
+pub(crate) mod c202_stop_viz;
+pub(crate) mod c203_set_branch;
+pub(crate) mod c205_get_viz_path;
+pub(crate) mod c206_get_do_list;
+pub(crate) mod c210_get_plan_data;
+pub(crate) mod c501_set_box_size;
+pub(crate) mod c901_get_state;
+pub(crate) mod point_list;
+
+use crate::cells::{CellReader, CellWriter};
+use crate::request::BodyError;
+
+/// The fields after the command number.
+pub(crate) trait RequestBody: Sized {
+    /// Reads them; what is left over is refused by the caller.
+    fn decode(cells: &mut CellReader<'_>) -> Result<Self, BodyError>;
+    /// Writes them.
+    fn encode(&self, cells: &mut CellWriter);
+}

@@ -1,0 +1,172 @@
+//! Cuts the byte stream of one connection into request frames.
+
+use depal_time::{SimDuration, SimTime};
+
+use crate::Encoding;
+
+/// An unterminated ASCII command is complete after this silence: old clients send no terminator.
+pub const LINE_SILENCE: SimDuration = SimDuration::from_millis(50);
+/// A HEX request that is shorter than expected is complete after this silence.
+pub const HEX_SILENCE: SimDuration = SimDuration::from_millis(20);
+/// Longest ASCII command, bytes; a longer one is an attack or another protocol.
+pub const MAX_LINE: usize = 4096;
+
+/// Shortest HEX request, bytes: 14 cells, as up to version 1.5.
+const SHORTEST_HEX: usize = 56;
+/// A KUKA request, always as long as the reply.
+const LONGEST_HEX: usize = 660;
+
+/// What came out of the stream.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Frame {
+    /// One request, without terminator.
+    Request(Vec<u8>),
+    /// So many bytes that make no request were thrown away.
+    Dropped(usize),
+    /// The line exceeds [`MAX_LINE`]; the connection should be cut.
+    TooLong(usize),
+}
+
+/// Reassembles requests from pieces of any size.
+///
+/// Call [`push`](Self::push) with what arrived, then [`poll_frame`](Self::poll_frame) until `None`;
+/// [`poll_timeout`](Self::poll_timeout) says when to poll again although nothing arrives.
+///
+/// HEX has no terminator. The length is latched by the first burst of a connection: 56, 64 or 660
+/// bytes, or 64 plus a few that are ignored. Until then a request needs [`HEX_SILENCE`] to end.
+/// Later requests end with the latched length at once.
+#[derive(Debug, Clone)]
+pub struct Framer {
+    encoding: Encoding,
+    default_hex_len: usize,
+    latched_hex_len: Option<usize>,
+    buffer: Vec<u8>,
+    last_byte_at: SimTime,
+}
+
+impl Framer {
+    /// For a fresh connection. `hex_request_len` is the profile's; it holds until a burst shows another.
+    pub fn new(encoding: Encoding, hex_request_len: usize) -> Self {
+        Self {
+            encoding,
+            default_hex_len: hex_request_len.clamp(SHORTEST_HEX, LONGEST_HEX),
+            latched_hex_len: None,
+            buffer: Vec::new(),
+            last_byte_at: SimTime::ZERO,
+        }
+    }
+
+    /// Takes what arrived.
+    pub fn push(&mut self, now: SimTime, bytes: &[u8]) {
+        if !bytes.is_empty() {
+            self.buffer.extend_from_slice(bytes);
+            self.last_byte_at = now;
+        }
+    }
+
+    /// Bytes that wait for the rest of their frame.
+    pub fn buffered(&self) -> usize {
+        self.buffer.len()
+    }
+
+    /// The next frame, if one is complete at `now`.
+    pub fn poll_frame(&mut self, now: SimTime) -> Option<Frame> {
+        if self.encoding.is_hex() {
+            self.poll_hex(now)
+        } else {
+            self.poll_line(now)
+        }
+    }
+
+    /// When silence will complete what waits. Ask again after every push and poll.
+    pub fn poll_timeout(&self) -> Option<SimTime> {
+        if self.buffer.is_empty() {
+            None
+        } else {
+            Some(self.last_byte_at + self.silence())
+        }
+    }
+
+    fn silence(&self) -> SimDuration {
+        if self.encoding.is_hex() {
+            HEX_SILENCE
+        } else {
+            LINE_SILENCE
+        }
+    }
+
+    fn is_silent(&self, now: SimTime) -> bool {
+        !self.buffer.is_empty() && now >= self.last_byte_at + self.silence()
+    }
+
+    fn poll_line(&mut self, now: SimTime) -> Option<Frame> {
+        loop {
+            let end = self.buffer.iter().position(|b| matches!(b, b'\r' | b'\n'));
+            let length = end.unwrap_or(self.buffer.len());
+            if length > MAX_LINE {
+                self.buffer.clear();
+                return Some(Frame::TooLong(length));
+            }
+            if end.is_none() && !self.is_silent(now) {
+                return None;
+            }
+            let mut line: Vec<u8> = self.buffer.drain(..length).collect();
+            if end.is_some() {
+                self.buffer.remove(0);
+            }
+            line.retain(|b| *b != 0);
+            if !line.iter().all(u8::is_ascii_whitespace) {
+                return Some(Frame::Request(line));
+            }
+            // Empty lines, also the second half of CR LF, are not requests.
+        }
+    }
+
+    fn poll_hex(&mut self, now: SimTime) -> Option<Frame> {
+        if self.buffer.is_empty() {
+            return None;
+        }
+        let silent = self.is_silent(now);
+        if self.latched_hex_len.is_none() {
+            let burst_is_over = silent && self.buffer.len() >= SHORTEST_HEX;
+            if !burst_is_over && self.buffer.len() < LONGEST_HEX {
+                return self.drop_scrap(silent);
+            }
+            self.latched_hex_len = Some(self.length_of_first_burst());
+        }
+        let length = self.latched_hex_len.unwrap_or(self.default_hex_len);
+        if self.buffer.len() >= length || (silent && self.buffer.len() >= SHORTEST_HEX) {
+            let take = length.min(self.buffer.len());
+            return Some(Frame::Request(self.buffer.drain(..take).collect()));
+        }
+        self.drop_scrap(silent)
+    }
+
+    /// Too few bytes for a request, and nothing follows.
+    fn drop_scrap(&mut self, silent: bool) -> Option<Frame> {
+        if !silent || self.buffer.len() >= SHORTEST_HEX {
+            return None;
+        }
+        let dropped = self.buffer.len();
+        self.buffer.clear();
+        Some(Frame::Dropped(dropped))
+    }
+
+    fn length_of_first_burst(&self) -> usize {
+        let length = self.buffer.len();
+        let padded_to_longest = length >= LONGEST_HEX
+            && self.buffer[self.default_hex_len.min(LONGEST_HEX)..LONGEST_HEX]
+                .iter()
+                .all(|b| *b == 0);
+        if padded_to_longest {
+            LONGEST_HEX
+        } else if length == SHORTEST_HEX
+            || (length > self.default_hex_len && length < 2 * SHORTEST_HEX)
+        {
+            length
+        } else {
+            // The expected length, a little less of it, or several requests in one go.
+            self.default_hex_len
+        }
+    }
+}

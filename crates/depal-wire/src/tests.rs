@@ -1,0 +1,441 @@
+use proptest::prelude::*;
+
+use depal_time::{SimDuration, SimTime};
+
+use crate::*;
+
+const ENCODINGS: [Encoding; 3] = [
+    Encoding::Ascii,
+    Encoding::HexLittleEndian,
+    Encoding::HexBigEndian,
+];
+
+fn decode_ascii(text: &str) -> Result<Request, RequestError> {
+    Request::decode(Encoding::Ascii, text.as_bytes())
+}
+
+#[track_caller]
+fn check_refused(text: &str, command: i32, status: Status) {
+    let error = decode_ascii(text).unwrap_err();
+    assert_eq!((error.command, error.status), (command, status), "{text}");
+}
+
+#[test]
+fn status_table_is_ascending_and_invertible() {
+    for pair in Status::ALL.windows(2) {
+        assert!(pair[0].code() < pair[1].code(), "{pair:?}");
+    }
+    for status in Status::ALL {
+        assert_eq!(Status::from_code(status.code()), Some(*status));
+        assert!(!status.meaning().is_empty());
+    }
+    assert_eq!(Status::from_code(1234), None);
+    assert!(Status::VizFinished.is_success() && !Status::VizTimeout.is_success());
+}
+
+#[test]
+fn input_variants_are_accepted() {
+    let expected = decode_ascii("103,1,2").unwrap();
+    for text in [
+        "103, 1 ,2",
+        "103,1.0,2.",
+        "103,1,2,",
+        "+103,1e0,2,,,",
+        " 103,1,2 \r",
+    ] {
+        assert_eq!(decode_ascii(text).as_ref(), Ok(&expected), "{text}");
+    }
+    let without_pose = decode_ascii("101,1,0,0").unwrap();
+    assert_eq!(
+        decode_ascii("101,1,0,0,0,0,0,-0,0,0").unwrap(),
+        without_pose
+    );
+    assert_eq!(
+        decode_ascii("101,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0").unwrap(),
+        without_pose
+    );
+    assert!(matches!(
+        decode_ascii("101,1,0,1,1,2,3,4,5,6").unwrap(),
+        Request::StartVision(StartVision {
+            pose: RobotPosePayload::JointsAndFlange { flange: None, .. },
+            ..
+        })
+    ));
+    assert_eq!(
+        decode_ascii("999,hello").unwrap(),
+        Request::Unknown { code: 999 }
+    );
+}
+
+#[test]
+fn malformed_requests_name_their_status() {
+    check_refused("103,1", 103, Status::WrongFormat);
+    check_refused("103,1,2,3", 103, Status::WrongFormat);
+    check_refused("103,1,x", 103, Status::WrongFormat);
+    check_refused("103,1,1.5", 103, Status::WrongFormat);
+    check_refused("103,1,4294967296", 103, Status::WrongFormat);
+    check_refused("103,1,nan", 103, Status::WrongFormat);
+    check_refused("103,1,\u{661}", 103, Status::WrongFormat);
+    check_refused("hello", 0, Status::InvalidCommand);
+    check_refused("", 0, Status::InvalidCommand);
+    check_refused("99999999999999999999", 0, Status::InvalidCommand);
+    check_refused("101,1,0,2,1,2,nan,4,5,6", 101, Status::InvalidVisionPose);
+    check_refused("101,1,0,2,1,2,1e999,4,5,6", 101, Status::InvalidVisionPose);
+    check_refused("101,1,0,2,1,2,3,4,5", 101, Status::WrongFormat);
+    check_refused("201,2,1,2,3,4,5,-inf", 201, Status::InvalidVizPose);
+    check_refused("501,1,NaN,2,3", 501, Status::InvalidBoxSize);
+    check_refused("206,65", 206, Status::WrongFormat);
+    let mut frame = vec![0; 64];
+    frame[..4].copy_from_slice(&501i32.to_le_bytes());
+    frame[8..12].copy_from_slice(&f32::NAN.to_le_bytes());
+    let error = Request::decode(Encoding::HexLittleEndian, &frame).unwrap_err();
+    assert_eq!(error.status, Status::InvalidBoxSize);
+}
+
+#[test]
+fn published_bytes() {
+    let profile = Profile::v1_8();
+    let recipe = decode_ascii("103,1,2").unwrap();
+    let mut expected = vec![0, 0, 0, 0x67, 0, 0, 0, 1, 0, 0, 0, 2];
+    expected.resize(64, 0);
+    assert_eq!(recipe.encode(Encoding::HexBigEndian, &profile), expected);
+
+    let start = decode_ascii("101,1,0,2,549.56,50,647.01,180,-1,180").unwrap();
+    let bytes = start.encode(Encoding::HexLittleEndian, &profile);
+    assert_eq!(bytes[16..20], [0xd7, 0x63, 0x09, 0x44]);
+    assert_eq!(bytes[32..36], [0x00, 0x00, 0x80, 0xbf]);
+    assert_eq!(bytes.len(), 64);
+
+    let triggered = Reply::status(101, Status::VisionTriggered);
+    let bytes = triggered.encode(Encoding::HexLittleEndian, &profile);
+    assert_eq!(bytes[..8], [0x65, 0, 0, 0, 0x4e, 0x04, 0, 0]);
+    assert!(bytes.len() == 660 && bytes[8..].iter().all(|b| *b == 0));
+
+    let big_cap = Profile {
+        pose_cap: 30,
+        ..Profile::v1_8()
+    };
+    assert_eq!(
+        triggered.encode(Encoding::HexLittleEndian, &big_cap).len(),
+        980
+    );
+}
+
+#[test]
+fn ascii_reals_are_short_and_never_negative_zero() {
+    let list = PointList {
+        is_last: true,
+        vision_move: 0,
+        points: vec![PointRecord {
+            values: [95.7806, 400.0, -0.00001, 1.23456, -171.1301, 180.0],
+            label: 3,
+            cell8: 0,
+        }],
+    };
+    let reply = Reply::Points {
+        command: 102,
+        status: Status::VisionResult,
+        list,
+    };
+    let bytes = reply.encode(Encoding::Ascii, &Profile::v1_8());
+    assert_eq!(
+        String::from_utf8(bytes).unwrap(),
+        "102,1100,1,1,0,95.7806,400.0,0.0,1.2346,-171.1301,180.0,3,0\r"
+    );
+}
+
+fn frames_of(encoding: Encoding, pieces: &[(u64, &[u8])]) -> Vec<Frame> {
+    let mut framer = Framer::new(encoding, 64);
+    let mut frames = Vec::new();
+    let mut now = SimTime::ZERO;
+    for (pause_ms, bytes) in pieces {
+        now += SimDuration::from_millis(*pause_ms);
+        frames.extend(std::iter::from_fn(|| framer.poll_frame(now)));
+        framer.push(now, bytes);
+        frames.extend(std::iter::from_fn(|| framer.poll_frame(now)));
+    }
+    while let Some(due) = framer.poll_timeout() {
+        frames.extend(std::iter::from_fn(|| framer.poll_frame(due)));
+    }
+    frames
+}
+
+#[test]
+fn lines_end_with_any_terminator_or_silence() {
+    let line = |text: &str| Frame::Request(text.as_bytes().to_vec());
+    let stream = b"901\r102,1\r\n\r\n103,1,2\n202";
+    let expected = vec![line("901"), line("102,1"), line("103,1,2"), line("202")];
+    assert_eq!(frames_of(Encoding::Ascii, &[(0, stream)]), expected);
+    assert_eq!(
+        frames_of(Encoding::Ascii, &[(0, b"90"), (49, b"1"), (51, b"202\r")]),
+        vec![line("901"), line("202")]
+    );
+    assert_eq!(
+        frames_of(Encoding::Ascii, &[(0, &[b'1'; 5000])]),
+        vec![Frame::TooLong(5000)]
+    );
+}
+
+#[test]
+fn hex_length_is_latched_by_the_first_burst() {
+    let lengths = |pieces: &[(u64, &[u8])]| -> Vec<usize> {
+        frames_of(Encoding::HexLittleEndian, pieces)
+            .iter()
+            .map(|frame| match frame {
+                Frame::Request(bytes) => bytes.len(),
+                Frame::Dropped(count) | Frame::TooLong(count) => *count + 10_000,
+            })
+            .collect()
+    };
+    let bytes = [1u8; 2000];
+    for length in [56, 64, 65] {
+        assert_eq!(
+            lengths(&[
+                (0, &bytes[..length]),
+                (30, &bytes[..length]),
+                (1, &bytes[..length])
+            ]),
+            [length; 3]
+        );
+    }
+    let mut kuka = vec![0u8; 660];
+    kuka[0] = 101;
+    assert_eq!(lengths(&[(0, &kuka), (5, &kuka)]), [660, 660]);
+    // Eleven requests at once are not one of KUKA.
+    assert_eq!(lengths(&[(0, &bytes[..704])]), [64; 11]);
+    assert_eq!(lengths(&[(0, &bytes[..63]), (30, &bytes[..64])]), [63, 64]);
+    assert_eq!(lengths(&[(0, &bytes[..8])]), [10_008]);
+    assert_eq!(
+        lengths(&[(0, &bytes[..64]), (21, &bytes[..65])]),
+        [64, 64, 10_001]
+    );
+}
+
+#[test]
+fn replies_of_other_commands_are_told_apart() {
+    let request = decode_ascii("901").unwrap();
+    let bytes =
+        Reply::status(901, Status::VisionReady).encode(Encoding::HexBigEndian, &Profile::v1_8());
+    assert!(Reply::decode(Encoding::HexBigEndian, &request, &bytes).is_ok());
+    assert!(matches!(
+        Reply::decode(Encoding::HexLittleEndian, &request, &bytes),
+        Err(ReplyError::OtherCommand { expected: 901, .. })
+    ));
+}
+
+/// A value that single precision and six decimals both keep.
+fn real() -> impl Strategy<Value = f64> {
+    (-16_000i32..16_000).prop_map(|n| f64::from(n) / 16.0)
+}
+
+fn six() -> impl Strategy<Value = [f64; 6]> {
+    prop::array::uniform6(real())
+}
+
+fn flange() -> impl Strategy<Value = Option<[f64; 6]>> {
+    prop::option::of(six()).prop_map(|f| f.filter(|v| v.iter().any(|x| *x != 0.0)))
+}
+
+fn request() -> impl Strategy<Value = Request> {
+    let pose = prop_oneof![
+        Just(RobotPosePayload::NotSent),
+        (six(), flange()).prop_map(|(joints_deg, flange)| RobotPosePayload::JointsAndFlange {
+            joints_deg,
+            flange
+        }),
+        six().prop_map(RobotPosePayload::Flange),
+        six().prop_map(RobotPosePayload::StartJoints),
+        (4i32..99).prop_map(RobotPosePayload::UnknownType),
+    ];
+    let start = prop_oneof![
+        Just(VizStartPayload::NotSent),
+        (six(), flange()).prop_map(|(joints_deg, flange)| VizStartPayload::JointsAndFlange {
+            joints_deg,
+            flange
+        }),
+        six().prop_map(VizStartPayload::StartJoints),
+        (3i32..99).prop_map(VizStartPayload::UnknownType),
+    ];
+    prop_oneof![
+        (any::<i32>(), any::<i32>(), pose)
+            .prop_map(|(job, count, pose)| Request::StartVision(StartVision { job, count, pose })),
+        any::<i32>().prop_map(|job| Request::GetVisionPoints(GetVisionPoints { job })),
+        (any::<i32>(), any::<i32>())
+            .prop_map(|(job, recipe)| Request::SwitchRecipe(SwitchRecipe { job, recipe })),
+        start.prop_map(|start| Request::StartViz(StartViz { start })),
+        Just(Request::StopViz(StopViz)),
+        (any::<i32>(), any::<i32>())
+            .prop_map(|(step, port)| Request::SetBranch(SetBranch { step, port })),
+        any::<i32>().prop_map(|pose_type| Request::GetVizPath(GetVizPath { pose_type })),
+        prop::option::of(1i32..=64).prop_map(|sections| Request::GetDoList(GetDoList { sections })),
+        any::<i32>().prop_map(|format| Request::GetPlanData(GetPlanData { format })),
+        (any::<i32>(), prop::array::uniform3(real()))
+            .prop_map(|(job, size_mm)| Request::SetBoxSize(SetBoxSize { job, size_mm })),
+        Just(Request::GetState(GetState)),
+    ]
+}
+
+fn reply() -> impl Strategy<Value = (Request, Reply)> {
+    let record =
+        (six(), any::<i32>(), any::<i32>()).prop_map(|(values, label, cell8)| PointRecord {
+            values,
+            label,
+            cell8,
+        });
+    let list = (
+        any::<bool>(),
+        0i32..50,
+        prop::collection::vec(record, 0..20),
+    )
+        .prop_map(|(is_last, vision_move, points)| PointList {
+            is_last,
+            vision_move,
+            points,
+        });
+    let whole = (0u8..50).prop_map(f64::from);
+    let plan = (prop::collection::vec(whole, PLAN_VALUES)).prop_map(|v| {
+        let mut plan = [0.0; PLAN_VALUES];
+        plan.copy_from_slice(&v);
+        plan
+    });
+    let cells = (plan, prop::collection::vec(real(), 0..9));
+    let point = (
+        1i32..=4,
+        any::<bool>(),
+        six(),
+        1i32..3,
+        -1i32..9,
+        1i32..101,
+        prop::option::of(cells),
+    )
+        .prop_map(
+            |(format, is_last, values, move_type, tool, velocity_percent, cells)| {
+                let vision_move = cells.map(|(plan, custom)| VisionMoveCells {
+                    plan: (format >= 3).then_some(plan),
+                    custom,
+                });
+                let point = PlanPoint {
+                    is_last,
+                    values,
+                    move_type,
+                    tool,
+                    velocity_percent,
+                    vision_move,
+                };
+                (
+                    Request::GetPlanData(GetPlanData { format }),
+                    Reply::PlanPoint(point),
+                )
+            },
+        );
+    prop_oneof![
+        list.prop_map(|list| (
+            Request::GetVizPath(GetVizPath { pose_type: 1 }),
+            Reply::Points {
+                command: 205,
+                status: Status::VizFinished,
+                list
+            }
+        )),
+        prop::collection::vec(-1i32..1000, DO_LIST_LEN).prop_map(|v| {
+            let mut list = [-1; DO_LIST_LEN];
+            list.copy_from_slice(&v);
+            (
+                Request::GetDoList(GetDoList { sections: None }),
+                Reply::DoList(DoList(list)),
+            )
+        }),
+        point,
+        prop::sample::select(Status::ALL.to_vec())
+            .prop_map(|status| (Request::GetState(GetState), Reply::status(901, status))),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_decode_without_panic(bytes in prop::collection::vec(any::<u8>(), 0..700)) {
+        for encoding in ENCODINGS {
+            let _ = Request::decode(encoding, &bytes);
+            let _ = frames_of(encoding, &[(0, &bytes), (3, &bytes)]);
+            for code in [102, 205, 206, 210, 901] {
+                let request = Request::decode(Encoding::Ascii, format!("{code},3").as_bytes());
+                if let Ok(request) = request {
+                    let _ = Reply::decode(encoding, &request, &bytes);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn requests_survive_encoding(request in request()) {
+        for encoding in ENCODINGS {
+            let bytes = request.encode(encoding, &Profile::v1_8());
+            let decoded = Request::decode(encoding, &bytes);
+            prop_assert_eq!(decoded.as_ref(), Ok(&request), "{:?}", encoding);
+        }
+    }
+
+    #[test]
+    fn replies_survive_encoding((request, reply) in reply()) {
+        for encoding in ENCODINGS {
+            let bytes = reply.encode(encoding, &Profile::v1_8());
+            let decoded = Reply::decode(encoding, &request, &bytes);
+            prop_assert_eq!(decoded.as_ref(), Ok(&reply), "{:?}", encoding);
+        }
+    }
+
+    #[test]
+    fn any_split_gives_the_same_requests(
+        requests in prop::collection::vec(request(), 1..6),
+        cuts in prop::collection::vec(1usize..80, 0..40),
+    ) {
+        for encoding in ENCODINGS {
+            let stream: Vec<u8> = requests
+                .iter()
+                .flat_map(|r| r.encode(encoding, &Profile::v1_8()))
+                .collect();
+            let whole = frames_of(encoding, &[(0, &stream)]);
+            let mut rest = &stream[..];
+            let mut pieces = Vec::new();
+            for cut in &cuts {
+                let (piece, after) = rest.split_at((*cut).min(rest.len()));
+                pieces.push((1, piece));
+                rest = after;
+            }
+            pieces.push((1, rest));
+            prop_assert_eq!(&frames_of(encoding, &pieces), &whole);
+            let decoded: Vec<_> = whole
+                .iter()
+                .map(|frame| match frame {
+                    Frame::Request(bytes) => Request::decode(encoding, bytes).unwrap(),
+                    other => panic!("{other:?}"),
+                })
+                .collect();
+            prop_assert_eq!(&decoded, &requests);
+        }
+    }
+}
+
+#[test]
+fn each_single_cut_gives_the_same_requests() {
+    for encoding in ENCODINGS {
+        let stream: Vec<u8> = ["103,1,2", "101,1,0,2,1,2,3,4,5,6", "901"]
+            .iter()
+            .flat_map(|text| {
+                decode_ascii(text)
+                    .unwrap()
+                    .encode(encoding, &Profile::v1_8())
+            })
+            .collect();
+        let whole = frames_of(encoding, &[(0, &stream)]);
+        assert_eq!(whole.len(), 3);
+        for cut in 0..=stream.len() {
+            let (head, tail) = stream.split_at(cut);
+            assert_eq!(
+                frames_of(encoding, &[(0, head), (19, tail)]),
+                whole,
+                "cut at {cut}"
+            );
+        }
+    }
+}
