@@ -290,6 +290,16 @@ impl Trajectory {
         self.end
     }
 
+    /// When the arm gets to the part of the path that is a segment's own, behind the corner before it.
+    /// None if that is past and forgotten, or there is no such part.
+    pub fn start_time(&self, segment: SegmentId) -> Option<f64> {
+        let first = self.cells.partition_point(|cell| cell.segment < segment);
+        self.cells
+            .get(first)
+            .filter(|cell| cell.segment == segment)
+            .map(|cell| cell.law.start)
+    }
+
     /// When a segment is over: the arm stands at its end, or its corner was left behind.
     /// None if that is past and forgotten, or there was no way to go.
     pub fn end_time(&self, segment: SegmentId) -> Option<f64> {
