@@ -2,7 +2,7 @@ use depal_frames::{JointPositions, PlacedShape, Pose, convert};
 
 use crate::{
     ArmError,
-    chain::Chain,
+    chain::{Chain, Motion},
     opw::Solver,
     urdf::{self, Loaded},
 };
@@ -128,6 +128,23 @@ impl Arm {
         self.chain.base_from_links(joints)
     }
 
+    /// Number of joints between the base and a link, by its index in [`Arm::links`]: 0 for what never moves.
+    ///
+    /// # Panics
+    /// If there is no such link.
+    pub fn joints_below(&self, link: usize) -> usize {
+        let mut count = 0;
+        let mut node = Some(link);
+        while let Some(index) = node {
+            count += usize::from(matches!(
+                self.chain.nodes[index].motion,
+                Motion::Revolute { .. }
+            ));
+            node = self.chain.nodes[index].parent;
+        }
+        count
+    }
+
     /// Every joint vector inside the limits that brings the flange there: all branches, and each with all whole turns
     /// that the limits allow. Sorted by joint 1, then 2, and so on; empty when out of reach.
     /// At a singularity of the wrist one of the endless many is given.
@@ -236,7 +253,7 @@ pub(crate) fn oracle_pose(
     oracle.update_transforms();
     match oracle
         .find_link(&loaded.tip)
-        .and_then(|n| n.world_transform())
+        .and_then(k::Node::world_transform)
     {
         Some(pose) => convert::from_nalgebra_030(&pose),
         None => Pose::translation(f64::NAN, f64::NAN, f64::NAN),

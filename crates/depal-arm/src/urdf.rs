@@ -181,7 +181,9 @@ fn link_order(robot: &Robot, file: &str) -> Result<Vec<(usize, Option<usize>)>, 
     // What no root leads to hangs in a ring; a file without any link has nothing at all.
     if order.len() < robot.links.len() {
         let mut reached = vec![false; robot.links.len()];
-        order.iter().for_each(|&(l, _)| reached[l] = true);
+        for &(link, _) in &order {
+            reached[link] = true;
+        }
         let link = reached.iter().position(|r| !r).unwrap_or(0);
         return Err(ArmError::Cycle {
             file: file.to_owned(),
