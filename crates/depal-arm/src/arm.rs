@@ -2,7 +2,7 @@ use depal_frames::{JointPositions, PlacedShape, Pose, convert};
 
 use crate::{
     ArmError,
-    chain::Chain,
+    chain::{Chain, Motion},
     opw::Solver,
     urdf::{self, Loaded},
 };
@@ -126,6 +126,23 @@ impl Arm {
     /// If `joints` has fewer entries than the arm.
     pub fn base_from_links(&self, joints: &JointPositions) -> Vec<Pose> {
         self.chain.base_from_links(joints)
+    }
+
+    /// Number of joints between the base and a link, by its index in [`Arm::links`]: 0 for what never moves.
+    ///
+    /// # Panics
+    /// If there is no such link.
+    pub fn joints_below(&self, link: usize) -> usize {
+        let mut count = 0;
+        let mut node = Some(link);
+        while let Some(index) = node {
+            count += usize::from(matches!(
+                self.chain.nodes[index].motion,
+                Motion::Revolute { .. }
+            ));
+            node = self.chain.nodes[index].parent;
+        }
+        count
     }
 
     /// Every joint vector inside the limits that brings the flange there: all branches, and each with all whole turns

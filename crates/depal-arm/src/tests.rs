@@ -1,3 +1,5 @@
+use std::fmt::Write;
+
 use depal_frames::{JointPositions, Pose, Vector};
 use depal_time::{RandomStream, RandomStreams};
 use proptest::prelude::*;
@@ -91,6 +93,8 @@ fn limits_speeds_and_masses_are_the_published_ones() {
             "tool0"
         ]
     );
+    let below: Vec<usize> = (0..8).map(|link| arm.joints_below(link)).collect();
+    assert_eq!(below, [0, 1, 2, 3, 4, 5, 6, 6]);
     let mass: f64 = arm.links().iter().map(|l| l.mass).sum();
     assert!((mass - 1280.0).abs() < 1.0, "{mass} kg");
     for link in &arm.links()[..7] {
@@ -301,7 +305,7 @@ fn two_parents_and_wrong_accelerations() {
 fn reversed_axes_and_another_zero_are_recognised() {
     let mut text = r#"<robot name="other">"#.to_owned();
     for link in 0..8 {
-        text += &format!(r#"<link name="l{link}"/>"#);
+        write!(text, r#"<link name="l{link}"/>"#).unwrap();
     }
     let joints = [
         ("0 0 0.645", "3.141592653589793 0 0", "0 0 1"),
@@ -316,10 +320,12 @@ fn reversed_axes_and_another_zero_are_recognised() {
         ("0 0 0", "-1.5707963267948966 0 0", "0 0 -1"),
     ];
     for (i, (xyz, rpy, axis)) in joints.iter().enumerate() {
-        text += &format!(
+        write!(
+            text,
             r#"<joint name="a{i}" type="revolute"><parent link="l{i}"/><child link="l{}"/><origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/><limit lower="-3" upper="3" velocity="2" effort="0"/></joint>"#,
             i + 1
-        );
+        )
+        .unwrap();
     }
     text += r#"<joint name="f" type="fixed"><parent link="l6"/><child link="l7"/><origin xyz="0 0 0.215" rpy="0 0 0.3"/></joint></robot>"#;
     let arm = Arm::from_urdf(&text, "other.urdf", &[1.0; 6]).unwrap();

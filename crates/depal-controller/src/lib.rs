@@ -1,1 +1,52 @@
-//! A virtual robot cabinet: tasks, motion queue, signals, sockets as a trait.
+//! A virtual robot cabinet: one task, the motion queue of one arm, signals, and sockets as a trait.
+//!
+//! [`Controller::tick`] is one interpolation cycle of 4 ms. First the task runs: each statement costs a fixed
+//! simulated time, and a task that waits ends the cycle. Then the motion moves on to the end of the cycle.
+//! The program runs ahead of the arm: a fly-by move is taken while fewer than
+//! [`queue_depth`](ControllerSpec::queue_depth) moves wait behind the one under way, so statements behind it run
+//! before the arm arrives. A language waits for a fine move with
+//! [`is_move_done`](depal_vm::system::System::is_move_done).
+//!
+//! What it must never know: any robot language, the physics, the vision system, real sockets or clocks.
+//!
+//! ```
+//! # use std::sync::Arc;
+//! use depal_controller::{Controller, ControllerSpec, NoNetwork, SignalKind, SignalSpec};
+//! use depal_time::{SimTime, TICK};
+//! # fn example(arm: Arc<depal_arm::Arm>) -> Result<(), depal_controller::ControllerError> {
+//! let home = depal_frames::JointPositions::zeros(arm.joint_count());
+//! let mut spec = ControllerSpec::new("rob1", arm, home);
+//! spec.signals.push(SignalSpec::new("do_vacuum", SignalKind::DigitalOutput));
+//! let mut controller = Controller::new(spec)?;
+//! let mut now = SimTime::ZERO;
+//! controller.tick(now, &mut NoNetwork);
+//! now += TICK;
+//! let joints = controller.commanded_joints(); // at `now`
+//! while let Some(event) = controller.poll_event() { /* record it */ }
+//! # let _ = joints; Ok(()) }
+//! ```
+//!
+//! Units and frames: SI, radians, simulated time; poses in the robot base.
+//!
+//! Limitations: one task per cabinet; no cross connections between signals, no signal delay; no speed override;
+//! the servo follows exactly; a wait inside a task ends with the cycle, so it is 4 ms coarse.
+
+mod cabinet;
+mod controller;
+mod error;
+mod event;
+mod motion_queue;
+mod network;
+mod signals;
+mod sockets;
+mod system;
+
+pub use cabinet::{Cabinet, ControllerSpec};
+pub use controller::Controller;
+pub use error::ControllerError;
+pub use event::{ControllerEvent, ControllerState};
+pub use network::{Network, NoNetwork};
+pub use signals::{Signal, SignalKind, SignalSpec};
+
+#[cfg(test)]
+mod tests;

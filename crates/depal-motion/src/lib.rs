@@ -1,1 +1,54 @@
-//! Time laws: joint and linear moves, zones and blending under speed and acceleration limits.
+//! The one time law of the arm: joint and linear moves, stop points and fly-by corners, under joint,
+//! tool-centre and reorientation limits. The planner predicts with it and the cabinet moves with it.
+//!
+//! A [`Trajectory`] is a growing path in joint space and the fastest law along it.
+//! Geometry: a joint move is a straight line in joint space; a linear move is a straight line of the tool centre
+//! point (TCP) with an even turn, brought to joints by inverse kinematics on a fine grid; a fly-by corner is a
+//! parabola in joint space (a cubic with the same hull where a neighbour is a linear move), tangent to both moves.
+//! Law: the path is cut into cells with constant path acceleration; a backward pass finds the highest speed from
+//! which the arm can still obey everything ahead, a forward pass takes the highest acceleration
+//! (Pham and Pham, "A new approach to time-optimal path parameterization based on reachability analysis",
+//! IEEE T-RO 34(3), 2018, doi 10.1109/TRO.2018.2819195, with collocation at both ends of each cell).
+//!
+//! What it must never know: programs, signals, cartons, collisions.
+//!
+//! ```no_run
+//! # use std::sync::Arc;
+//! # use depal_frames::{JointPositions, Pose};
+//! use depal_motion::{Interpolation, Segment, SegmentTarget, Speed, Trajectory, Zone};
+//! # fn example(arm: Arc<depal_arm::Arm>, home: JointPositions, above: JointPositions) -> Result<(), depal_motion::MotionError> {
+//! let mut trajectory = Trajectory::new(arm, home);
+//! trajectory.append(0.0, &Segment {
+//!     interpolation: Interpolation::Joint,
+//!     target: SegmentTarget::Joints(above),
+//!     flange_from_tcp: Pose::identity(),
+//!     speed: Speed { tcp: 2.0, orientation: 8.0, joint_fraction: 1.0, acceleration_fraction: 1.0 },
+//!     zone: Zone::Fine,
+//! })?;
+//! let halfway = trajectory.sample(trajectory.duration() / 2.0);
+//! # let _ = halfway; Ok(()) }
+//! ```
+//!
+//! Units and frames: SI, radians; joint order of the arm; TCP poses are `base_from_tcp`; times are seconds since
+//! the trajectory's own zero.
+//!
+//! Limitations: acceleration may step (no jerk limit); no torque or payload model; no servo lag;
+//! speed of the TCP is not limited in acceleration other than through the joints;
+//! the TCP may leave the plane of two linear moves a little in their corner, which is blended in joint space.
+
+mod cell;
+mod curve;
+mod error;
+mod point_to_point;
+mod segment;
+mod shape;
+mod timing;
+mod trajectory;
+
+pub use error::MotionError;
+pub use point_to_point::point_to_point_time;
+pub use segment::{Interpolation, Segment, SegmentId, SegmentTarget, Speed, Zone};
+pub use trajectory::Trajectory;
+
+#[cfg(test)]
+mod tests;

@@ -1,1 +1,51 @@
 //! Which box to pick, with which sections, and a collision-free way there and back.
+//!
+//! [`plan_pick`] takes what vision saw (boxes and leftover points), what is known of the cell, where the arm is and where
+//! the carton shall go. It answers with at most [`PlannerSettings::max_waypoints`] waypoints or with a [`Refusal`]
+//! that names every candidate and its reason. Same request, same waypoints.
+//!
+//! It must never know: the true world, physics, vision's inner workings, protocols, time.
+//!
+//! How it decides:
+//! 1. Order: boxes of the top layer first (within half a height), nearest to the place first; covered ones are left out.
+//! 2. Grasp: every group of neighbouring sections whose cups lie wholly on the face, in four yaws;
+//!    more sealed area first, then less offset. Only what holds [`PlannerSettings::max_carton_mass`] is kept.
+//! 3. Joints: all branches and turns of the inverse at pick and place, sorted by obstacle-free time.
+//! 4. Path: direct joint move, then turn-while-raised and lift-turn-lower templates, in order of their time;
+//!    checked with padded bodies, corner chords included.
+//! 5. Certificate: the chosen path once more with true bodies, by bisection on distance until nothing can touch between
+//!    two checked states. It yields [`PickPlan::min_clearance`].
+//!
+//! Units: metres, radians, seconds, kilograms, f64; collision checks run in f32.
+//! Frames: everything in the arm's base frame, Z up; a box frame sits in the middle of the top face, Z up, X along the long side.
+//!
+//! What lies below a seen box is unknown: it is treated as solid down to the floor, as wide as the box.
+//!
+//! ```
+//! use depal_planner::{PlannerSettings, Refusal};
+//! let settings = PlannerSettings { max_carton_mass: 12.0, ..PlannerSettings::default() };
+//! assert_eq!(settings.max_waypoints, 20);
+//! assert_eq!(Refusal::NoBoxes.to_string(), "no boxes were seen");
+//! ```
+//!
+//! Limitations: one box at a time; no search beyond the templates; boxes must stand upright (a few degrees of tilt).
+
+mod bodies;
+mod candidate;
+mod certificate;
+mod contact;
+mod grasp;
+mod path;
+mod plan;
+mod refusal;
+mod request;
+mod suction;
+mod timing;
+mod world;
+
+pub use plan::{Motion, PickPlan, Waypoint, plan_pick};
+pub use refusal::{Obstacle, Refusal, RejectReason, Rejection, Stage, Touch};
+pub use request::{PlaceSpec, PlanRequest, PlannerSettings, SeenBox};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,174 @@
+use std::collections::BTreeMap;
+
+use depal_time::SimTime;
+use depal_vm::system::Fault;
+
+use crate::ControllerError;
+
+/// What a signal carries and who sets it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SignalKind {
+    /// 0 or 1, set by the cell.
+    DigitalInput,
+    /// 0 or 1, set by the program.
+    DigitalOutput,
+    /// An unsigned number of so many bits, set by the cell.
+    GroupInput {
+        /// 1 to 32.
+        bits: u8,
+    },
+    /// An unsigned number of so many bits, set by the program.
+    GroupOutput {
+        /// 1 to 32.
+        bits: u8,
+    },
+    /// Any finite number, set by the cell.
+    AnalogInput,
+    /// Any finite number, set by the program.
+    AnalogOutput,
+}
+
+impl SignalKind {
+    /// Whether the cell sets it.
+    pub fn is_input(self) -> bool {
+        matches!(
+            self,
+            Self::DigitalInput | Self::GroupInput { .. } | Self::AnalogInput
+        )
+    }
+
+    fn check(self, value: f64) -> Result<(), String> {
+        let highest = match self {
+            Self::DigitalInput | Self::DigitalOutput => 1.0,
+            Self::GroupInput { bits } | Self::GroupOutput { bits } => {
+                2f64.powi(i32::from(bits)) - 1.0
+            }
+            Self::AnalogInput | Self::AnalogOutput => {
+                return if value.is_finite() {
+                    Ok(())
+                } else {
+                    Err(format!("{value} is not a finite number"))
+                };
+            }
+        };
+        if value.fract() == 0.0 && (0.0..=highest).contains(&value) {
+            Ok(())
+        } else {
+            Err(format!("{value} is not a whole number from 0 to {highest}"))
+        }
+    }
+}
+
+/// The definition of a signal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignalSpec {
+    /// Unique, whatever the case of its letters.
+    pub name: String,
+    /// What it carries.
+    pub kind: SignalKind,
+    /// Value at the start.
+    pub initial: f64,
+}
+
+impl SignalSpec {
+    /// A signal that starts at 0.
+    pub fn new(name: &str, kind: SignalKind) -> Self {
+        Self {
+            name: name.to_owned(),
+            kind,
+            initial: 0.0,
+        }
+    }
+}
+
+/// A signal with its value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// Its definition.
+    pub spec: SignalSpec,
+    /// Now.
+    pub value: f64,
+    /// Last change.
+    pub changed_at: SimTime,
+}
+
+/// All signals by name in lower case.
+#[derive(Debug, Clone)]
+pub(crate) struct SignalTable {
+    signals: BTreeMap<String, Signal>,
+}
+
+impl SignalTable {
+    pub fn new(specs: &[SignalSpec]) -> Result<Self, ControllerError> {
+        let mut signals = BTreeMap::new();
+        for spec in specs {
+            let name = spec.name.clone();
+            if let SignalKind::GroupInput { bits } | SignalKind::GroupOutput { bits } = spec.kind
+                && !(1..=32).contains(&bits)
+            {
+                return Err(ControllerError::GroupWidth { name, bits });
+            }
+            if let Err(message) = spec.kind.check(spec.initial) {
+                return Err(ControllerError::InitialValue { name, message });
+            }
+            let signal = Signal {
+                spec: spec.clone(),
+                value: spec.initial,
+                changed_at: SimTime::ZERO,
+            };
+            if signals.insert(key(&name), signal).is_some() {
+                return Err(ControllerError::DuplicateSignal { name });
+            }
+        }
+        Ok(Self { signals })
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &Signal> {
+        self.signals.values()
+    }
+
+    pub fn get(&self, name: &str) -> Result<&Signal, Fault> {
+        self.signals
+            .get(&key(name))
+            .ok_or_else(|| Fault::UnknownSignal(name.to_owned()))
+    }
+
+    /// Sets a signal from the side of the cell (`input`) or of the program; whether it changed.
+    pub fn set(
+        &mut self,
+        at: SimTime,
+        name: &str,
+        value: f64,
+        input: bool,
+    ) -> Result<Option<&Signal>, Fault> {
+        let signal = self
+            .signals
+            .get_mut(&key(name))
+            .ok_or_else(|| Fault::UnknownSignal(name.to_owned()))?;
+        let fault = |message| Fault::SignalValue {
+            signal: name.to_owned(),
+            message,
+        };
+        if signal.spec.kind.is_input() != input {
+            return Err(fault(
+                if input {
+                    "is an output of the robot, the cell cannot set it"
+                } else {
+                    "is an input of the robot, the program cannot set it"
+                }
+                .to_owned(),
+            ));
+        }
+        signal.spec.kind.check(value).map_err(fault)?;
+        if signal.value == value {
+            return Ok(None);
+        }
+        signal.value = value;
+        signal.changed_at = at;
+        Ok(Some(signal))
+    }
+}
+
+fn key(name: &str) -> String {
+    name.to_lowercase()
+}

@@ -1,0 +1,117 @@
+use std::collections::BTreeMap;
+use std::task::Poll;
+
+use depal_time::SimTime;
+use depal_vm::system::{Fault, Received, SocketId, SocketState};
+
+use crate::Network;
+
+/// The client sockets of a cabinet's programs.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Sockets {
+    states: BTreeMap<SocketId, SocketState>,
+    next: u32,
+}
+
+impl Sockets {
+    pub fn create(&mut self) -> SocketId {
+        let id = SocketId(self.next);
+        self.next += 1;
+        self.states.insert(id, SocketState::Created);
+        id
+    }
+
+    pub fn state(&self, socket: SocketId) -> SocketState {
+        self.states
+            .get(&socket)
+            .copied()
+            .unwrap_or(SocketState::Closed)
+    }
+
+    pub fn connect(
+        &mut self,
+        network: &mut dyn Network,
+        now: SimTime,
+        controller: &str,
+        socket: SocketId,
+        (address, port): (&str, u16),
+    ) -> Poll<Result<(), Fault>> {
+        match self.state(socket) {
+            SocketState::Created => {
+                let answer = network.connect(now, controller, socket, address, port);
+                if answer == Poll::Ready(Ok(())) {
+                    self.states.insert(socket, SocketState::Connected);
+                }
+                answer
+            }
+            SocketState::Connected => Poll::Ready(Err(Fault::SocketState {
+                message: format!(
+                    "connecting to {address}:{port}: expected a created socket, it is connected"
+                ),
+            })),
+            SocketState::Closed => Poll::Ready(Err(Fault::SocketClosed)),
+        }
+    }
+
+    /// Refuses what needs a connection; `doing` names it.
+    fn expect_connected(&self, socket: SocketId, doing: &str) -> Result<(), Fault> {
+        match self.state(socket) {
+            SocketState::Connected => Ok(()),
+            SocketState::Created => Err(Fault::SocketState {
+                message: format!("{doing}: expected a connected socket, it is created only"),
+            }),
+            SocketState::Closed => Err(Fault::SocketClosed),
+        }
+    }
+
+    pub fn send(
+        &mut self,
+        network: &mut dyn Network,
+        now: SimTime,
+        controller: &str,
+        socket: SocketId,
+        bytes: &[u8],
+    ) -> Result<(), Fault> {
+        self.expect_connected(socket, "sending")?;
+        network.send(now, controller, socket, bytes)
+    }
+
+    pub fn receive(
+        &mut self,
+        network: &mut dyn Network,
+        now: SimTime,
+        controller: &str,
+        socket: SocketId,
+        limit: usize,
+    ) -> Poll<Result<Received, Fault>> {
+        if let Err(fault) = self.expect_connected(socket, "receiving") {
+            return Poll::Ready(Err(fault));
+        }
+        if limit == 0 {
+            return Poll::Ready(Err(Fault::SocketState {
+                message: "receiving: expected room for at least 1 byte, found 0".to_owned(),
+            }));
+        }
+        network.receive(now, controller, socket, limit).map(Ok)
+    }
+
+    pub fn close(
+        &mut self,
+        network: &mut dyn Network,
+        now: SimTime,
+        controller: &str,
+        socket: SocketId,
+    ) {
+        // Closing what is closed, or was never created, is no error.
+        if self.states.remove(&socket).is_some() {
+            network.close(now, controller, socket);
+        }
+    }
+
+    /// Closes all, as a cabinet does at the end of a task.
+    pub fn close_all(&mut self, network: &mut dyn Network, now: SimTime, controller: &str) {
+        for (socket, _) in std::mem::take(&mut self.states) {
+            network.close(now, controller, socket);
+        }
+    }
+}

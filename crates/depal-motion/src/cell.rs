@@ -1,0 +1,171 @@
+//! A short stretch of path with constant path acceleration.
+
+use std::sync::Arc;
+
+use depal_arm::JointLimit;
+use depal_frames::JointPositions;
+
+use crate::curve::{Curve, Derivatives};
+use crate::{SegmentId, Speed};
+
+/// What limits the arm along a cell.
+#[derive(Debug, Clone)]
+pub(crate) struct CellLimits {
+    pub joint_speed: JointPositions,
+    pub joint_acceleration: JointPositions,
+    pub tcp: f64,
+    pub orientation: f64,
+}
+
+impl CellLimits {
+    pub fn new(limits: &[JointLimit], speed: &Speed) -> Self {
+        let mut joint_speed = JointPositions::zeros(limits.len());
+        let mut joint_acceleration = JointPositions::zeros(limits.len());
+        for (i, limit) in limits.iter().enumerate() {
+            joint_speed[i] = limit.max_speed * speed.joint_fraction.min(1.0);
+            joint_acceleration[i] = limit.max_acceleration * speed.acceleration_fraction.min(1.0);
+        }
+        Self {
+            joint_speed,
+            joint_acceleration,
+            tcp: speed.tcp,
+            orientation: speed.orientation,
+        }
+    }
+}
+
+/// The motion along a cell: the parameter starts at the cell's beginning with `rate` per second and
+/// gains `acceleration` per second squared, for `duration`, from `start` on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Law {
+    pub start: f64,
+    pub duration: f64,
+    pub rate: f64,
+    pub acceleration: f64,
+}
+
+impl Law {
+    pub const NONE: Self = Self {
+        start: 0.0,
+        duration: 0.0,
+        rate: 0.0,
+        acceleration: 0.0,
+    };
+
+    pub fn end(&self) -> f64 {
+        self.start + self.duration
+    }
+
+    pub fn end_rate(&self) -> f64 {
+        (self.rate + self.acceleration * self.duration).max(0.0)
+    }
+}
+
+/// A stretch of a curve.
+#[derive(Debug, Clone)]
+pub(crate) struct Cell {
+    pub curve: Arc<Curve>,
+    pub limits: Arc<CellLimits>,
+    pub segment: SegmentId,
+    /// Parameter at the beginning and at the end.
+    pub from: f64,
+    pub to: f64,
+    /// Metres of TCP path per unit of the parameter.
+    pub tcp_rate: f64,
+    /// Radians of reorientation per unit of the parameter.
+    pub turn_rate: f64,
+    /// Rate at the beginning of this cell over the rate at the end of the one before
+    /// (their parameters differ in scale). Zero: the arm stands between the two.
+    pub link: f64,
+    pub at_from: Derivatives,
+    pub at_to: Derivatives,
+    pub law: Law,
+}
+
+impl Cell {
+    pub fn new(
+        curve: &Arc<Curve>,
+        limits: &Arc<CellLimits>,
+        segment: SegmentId,
+        (from, to): (f64, f64),
+        (tcp_rate, turn_rate): (f64, f64),
+        link: f64,
+    ) -> Self {
+        let inside = 0.5 * (from + to);
+        Self {
+            at_from: curve.derivatives(from, inside),
+            at_to: curve.derivatives(to, inside),
+            curve: Arc::clone(curve),
+            limits: Arc::clone(limits),
+            segment,
+            from,
+            to,
+            tcp_rate,
+            turn_rate,
+            link,
+            law: Law::NONE,
+        }
+    }
+
+    pub fn width(&self) -> f64 {
+        self.to - self.from
+    }
+
+    /// The same stretch, ending earlier.
+    pub fn cut_at(mut self, to: f64) -> Self {
+        self.at_to = self.curve.derivatives(to, 0.5 * (self.from + to));
+        self.to = to;
+        self
+    }
+
+    /// Parameter at a time.
+    pub fn parameter(&self, time: f64) -> f64 {
+        let t = (time - self.law.start).clamp(0.0, self.law.duration);
+        let u = self.from + t * (self.law.rate + 0.5 * self.law.acceleration * t);
+        u.clamp(self.from, self.to)
+    }
+
+    /// The cell before and after a time within it; both keep their part of the law.
+    pub fn split(&self, time: f64) -> (Self, Self) {
+        let at = self.parameter(time);
+        let elapsed = time - self.law.start;
+        let mut before = self.clone().cut_at(at);
+        before.law.duration = elapsed;
+        let mut after = self.clone();
+        after.at_from = before.at_to;
+        after.from = at;
+        after.link = 1.0;
+        after.law = Law {
+            start: time,
+            duration: self.law.duration - elapsed,
+            rate: before.law.end_rate(),
+            acceleration: self.law.acceleration,
+        };
+        (before, after)
+    }
+
+    /// Highest squared rate that the speed limits allow at the beginning and at the end.
+    pub fn speed_bounds(&self) -> (f64, f64) {
+        let path = bound(self.limits.tcp, self.tcp_rate)
+            .min(bound(self.limits.orientation, self.turn_rate));
+        let joints = |at: &Derivatives| {
+            at.first
+                .iter()
+                .zip(self.limits.joint_speed.iter())
+                .map(|(rate, limit)| bound(*limit, rate.abs()))
+                .fold(path, f64::min)
+        };
+        (joints(&self.at_from), joints(&self.at_to))
+    }
+}
+
+/// Square of `limit / rate`; very large, yet finite, where nothing limits.
+fn bound(limit: f64, rate: f64) -> f64 {
+    const UNBOUNDED: f64 = 1e12;
+    let quotient = limit / rate;
+    if quotient.is_nan() {
+        UNBOUNDED
+    } else {
+        (quotient * quotient).min(UNBOUNDED)
+    }
+}

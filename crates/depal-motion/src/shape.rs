@@ -1,0 +1,294 @@
+//! From a segment to joint-space geometry with path lengths.
+
+use std::sync::Arc;
+
+use depal_arm::Arm;
+use depal_frames::nalgebra::Translation3;
+use depal_frames::{JointPositions, Pose, Rotation};
+
+use crate::cell::CellLimits;
+use crate::curve::{Curve, combine};
+use crate::{Interpolation, MotionError, Segment, SegmentTarget, Zone};
+
+/// Joint travel per cell of a joint move, radians.
+const JOINT_STEP: f64 = 0.04;
+/// TCP travel and turn between grid points of a linear move, metres and radians.
+const LINE_STEP: f64 = 0.02;
+const TURN_STEP: f64 = 0.05;
+/// Joint step between grid points above which the grid of a linear move is refined.
+const COARSE_STEP: f64 = 0.12;
+/// Grid points of a linear move beyond which a large joint step counts as a jump.
+const FINEST_GRID: usize = 1024;
+/// Shorter than this a path has no length to cut a zone from.
+const NO_LENGTH: f64 = 1e-3;
+
+/// A grid point with the path travelled so far.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Node {
+    pub parameter: f64,
+    pub tcp: f64,
+    pub turn: f64,
+}
+
+/// The geometry of a whole segment, before corners cut it.
+#[derive(Debug, Clone)]
+pub(crate) struct Shape {
+    pub curve: Arc<Curve>,
+    pub limits: Arc<CellLimits>,
+    pub nodes: Vec<Node>,
+    pub flange_from_tcp: Pose,
+    pub zone: Zone,
+    pub end: JointPositions,
+}
+
+impl Shape {
+    /// None if the segment does not move the arm.
+    pub fn new(
+        arm: &Arm,
+        start: &JointPositions,
+        segment: &Segment,
+    ) -> Result<Option<Self>, MotionError> {
+        segment.speed.check()?;
+        let tool = &segment.flange_from_tcp;
+        let (curve, end) = match (&segment.interpolation, &segment.target) {
+            (Interpolation::Joint, target) => {
+                let end = match target {
+                    SegmentTarget::Joints(joints) => *joints,
+                    SegmentTarget::Tcp(base_from_tcp) => arm
+                        .inverse_nearest(&(base_from_tcp * tool.inverse()), start)
+                        .ok_or_else(|| out_of_reach(base_from_tcp))?,
+                };
+                check_joints(arm, &end)?;
+                let delta = combine(&[1.0, -1.0], &[&end, start]);
+                (
+                    Curve::Line {
+                        from: *start,
+                        delta,
+                    },
+                    end,
+                )
+            }
+            (Interpolation::Linear, target) => {
+                let base_from_tcp = match target {
+                    SegmentTarget::Tcp(base_from_tcp) => *base_from_tcp,
+                    SegmentTarget::Joints(joints) => {
+                        check_joints(arm, joints)?;
+                        arm.base_from_flange(joints) * tool
+                    }
+                };
+                let joints = line(arm, start, &base_from_tcp, tool)?;
+                let end = joints[joints.len() - 1];
+                (Curve::through(joints), end)
+            }
+        };
+        if start.max_distance(&end) < 1e-9 {
+            return Ok(None);
+        }
+        let parameters = match &curve {
+            Curve::Sampled { nodes, .. } => nodes.len() - 1,
+            _ => ((start.max_distance(&end) / JOINT_STEP).ceil() as usize).clamp(16, 64),
+        };
+        let nodes = measure(arm, &curve, parameters, |_| tool);
+        Ok(Some(Self {
+            curve: Arc::new(curve),
+            limits: Arc::new(CellLimits::new(arm.limits(), &segment.speed)),
+            nodes,
+            flange_from_tcp: *tool,
+            zone: segment.zone,
+            end,
+        }))
+    }
+
+    fn last(&self) -> Node {
+        self.nodes[self.nodes.len() - 1]
+    }
+
+    /// Length of the TCP path, metres; none if the tool only turns.
+    fn length(&self) -> Option<f64> {
+        let length = self.last().tcp;
+        (length > NO_LENGTH).then_some(length)
+    }
+
+    /// Parameters where this segment is left and where the next is entered; none without a corner.
+    pub fn corner(&self, next: &Self) -> Option<(f64, f64)> {
+        let Zone::Fly { tcp, orientation } = self.zone else {
+            return None;
+        };
+        let half = |shape: &Self| shape.length().map_or(f64::INFINITY, |l| 0.5 * l);
+        let tcp = tcp.min(half(self)).min(half(next));
+        let own = self.last();
+        let leave = [
+            self.length()
+                .map(|l| reached(&self.nodes, |n| n.tcp, l - tcp)),
+            (own.turn > NO_LENGTH)
+                .then(|| reached(&self.nodes, |n| n.turn, own.turn - orientation)),
+        ];
+        let leave = leave.into_iter().flatten().fold(0.5, f64::max);
+        let enter = [
+            next.length().map(|_| reached(&next.nodes, |n| n.tcp, tcp)),
+            (next.last().turn > NO_LENGTH).then(|| reached(&next.nodes, |n| n.turn, orientation)),
+        ];
+        let enter = enter.into_iter().flatten().fold(0.5, f64::min);
+        (leave < 1.0 - 1e-6 && enter > 1e-6).then_some((leave, enter))
+    }
+
+    /// Grid of the part `from..=to`: cell borders with their TCP and turn rates.
+    pub fn cells(&self, from: f64, to: f64) -> Vec<((f64, f64), (f64, f64))> {
+        const SLIVER: f64 = 1e-7;
+        let mut cells = Vec::with_capacity(self.nodes.len());
+        let mut begin = from;
+        for pair in self.nodes.windows(2) {
+            let width = pair[1].parameter - pair[0].parameter;
+            let rates = (
+                (pair[1].tcp - pair[0].tcp) / width,
+                (pair[1].turn - pair[0].turn) / width,
+            );
+            let end = pair[1].parameter.min(to);
+            if end - begin > SLIVER {
+                cells.push(((begin, end), rates));
+                begin = end;
+            }
+        }
+        cells
+    }
+}
+
+/// Evenly spaced nodes along a curve with the path travelled.
+pub(crate) fn measure<'a>(
+    arm: &Arm,
+    curve: &Curve,
+    cells: usize,
+    tool: impl Fn(f64) -> &'a Pose,
+) -> Vec<Node> {
+    let mut nodes = Vec::with_capacity(cells + 1);
+    let mut node = Node {
+        parameter: 0.0,
+        tcp: 0.0,
+        turn: 0.0,
+    };
+    nodes.push(node);
+    let mut flange = arm.base_from_flange(&curve.position(0.0));
+    for i in 1..=cells {
+        let parameter = i as f64 / cells as f64;
+        let next = arm.base_from_flange(&curve.position(parameter));
+        let tool = tool(parameter - 0.5 / cells as f64);
+        let (a, b) = (flange * tool, next * tool);
+        node = Node {
+            parameter,
+            tcp: node.tcp + (b.translation.vector - a.translation.vector).norm(),
+            turn: node.turn + a.rotation.angle_to(&b.rotation),
+        };
+        nodes.push(node);
+        flange = next;
+    }
+    nodes
+}
+
+/// Parameter at which a quantity that grows along the nodes has the given value.
+fn reached(nodes: &[Node], quantity: impl Fn(&Node) -> f64, value: f64) -> f64 {
+    if value <= 0.0 {
+        return 0.0;
+    }
+    for pair in nodes.windows(2) {
+        let (a, b) = (quantity(&pair[0]), quantity(&pair[1]));
+        if b >= value && b > a {
+            let share = ((value - a) / (b - a)).clamp(0.0, 1.0);
+            return pair[0].parameter + share * (pair[1].parameter - pair[0].parameter);
+        }
+    }
+    1.0
+}
+
+/// Joint positions on an even grid along a straight TCP line.
+fn line(
+    arm: &Arm,
+    start: &JointPositions,
+    base_from_target: &Pose,
+    flange_from_tcp: &Pose,
+) -> Result<Vec<JointPositions>, MotionError> {
+    let base_from_start = arm.base_from_flange(start) * flange_from_tcp;
+    let way = base_from_target.translation.vector - base_from_start.translation.vector;
+    let turn = (base_from_start.rotation.inverse() * base_from_target.rotation).scaled_axis();
+    let length = way.norm();
+    let tcp_from_flange = flange_from_tcp.inverse();
+    let at = |share: f64| {
+        Pose::from_parts(
+            Translation3::from(base_from_start.translation.vector + way * share),
+            base_from_start.rotation * Rotation::from_scaled_axis(turn * share),
+        )
+    };
+    if arm
+        .inverse_nearest(&(at(1.0) * tcp_from_flange), start)
+        .is_none()
+    {
+        return Err(out_of_reach(base_from_target));
+    }
+    let mut pieces = ((length / LINE_STEP).max(turn.norm() / TURN_STEP).ceil() as usize).max(8);
+    loop {
+        let mut joints = Vec::with_capacity(pieces + 1);
+        joints.push(*start);
+        let mut widest = (0, 0, 0.0_f64);
+        for i in 1..=pieces {
+            let share = i as f64 / pieces as f64;
+            let tcp = at(share);
+            let before = joints[i - 1];
+            let Some(found) = arm.inverse_nearest(&(tcp * tcp_from_flange), &before) else {
+                let p = tcp.translation.vector * 1e3;
+                return Err(MotionError::LineOutOfReach {
+                    travelled_mm: share * length * 1e3,
+                    length_mm: length * 1e3,
+                    x_mm: p.x,
+                    y_mm: p.y,
+                    z_mm: p.z,
+                });
+            };
+            for (j, (a, b)) in before.iter().zip(found.iter()).enumerate() {
+                if (b - a).abs() > widest.2 {
+                    widest = (i, j, (b - a).abs());
+                }
+            }
+            joints.push(found);
+        }
+        if widest.2 <= COARSE_STEP {
+            return Ok(joints);
+        }
+        if pieces > FINEST_GRID {
+            return Err(MotionError::LineJumps {
+                joint: widest.1 + 1,
+                jump_deg: widest.2.to_degrees(),
+                travelled_mm: widest.0 as f64 / pieces as f64 * length * 1e3,
+                length_mm: length * 1e3,
+            });
+        }
+        pieces *= 2;
+    }
+}
+
+fn check_joints(arm: &Arm, joints: &JointPositions) -> Result<(), MotionError> {
+    if joints.len() != arm.joint_count() {
+        return Err(MotionError::JointCount {
+            expected: arm.joint_count(),
+            found: joints.len(),
+        });
+    }
+    for (i, (limit, found)) in arm.limits().iter().zip(joints.iter()).enumerate() {
+        if !(limit.lower - 1e-9..=limit.upper + 1e-9).contains(found) {
+            return Err(MotionError::JointLimit {
+                joint: i + 1,
+                found_deg: found.to_degrees(),
+                lower_deg: limit.lower.to_degrees(),
+                upper_deg: limit.upper.to_degrees(),
+            });
+        }
+    }
+    Ok(())
+}
+
+fn out_of_reach(base_from_tcp: &Pose) -> MotionError {
+    let p = base_from_tcp.translation.vector * 1e3;
+    MotionError::TargetOutOfReach {
+        x_mm: p.x,
+        y_mm: p.y,
+        z_mm: p.z,
+    }
+}

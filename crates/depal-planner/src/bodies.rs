@@ -1,0 +1,119 @@
+use depal_arm::Arm;
+use depal_frames::{JointPositions, PlacedShape, convert};
+use depal_gripper::GripperSpec;
+use parry3d::{math::Pose as Pose32, shape::SharedShape};
+
+use crate::world::solid;
+
+/// Group of the gripper and the carton: beyond the last joint's own link.
+const TOOL_GROUP: usize = 7;
+
+/// One moving solid.
+pub(crate) struct Body {
+    pub name: String,
+    /// Index of its frame: a link, or one past the last link for the flange.
+    frame: usize,
+    /// Joints that move it; the tool counts as one more, so that it is not a neighbour of the wrist.
+    pub group: usize,
+    frame_from_shape: Pose32,
+    pub shape: SharedShape,
+    /// From the shape's origin to its farthest point, m.
+    pub radius: f32,
+}
+
+impl Body {
+    fn new(name: &str, frame: usize, group: usize, placed: &PlacedShape, padding: f64) -> Self {
+        let (frame_from_shape, shape) = solid(placed, padding);
+        Self {
+            name: name.to_owned(),
+            frame,
+            group,
+            frame_from_shape,
+            shape,
+            radius: (placed.shape.bounding_radius() + padding.max(0.0)) as f32,
+        }
+    }
+
+    pub fn pose(&self, frames: &[Pose32]) -> Pose32 {
+        frames[self.frame] * self.frame_from_shape
+    }
+}
+
+/// Arm and gripper as solids.
+pub(crate) struct Robot<'a> {
+    pub arm: &'a Arm,
+    pub gripper: &'a GripperSpec,
+    /// Tool first: it is what touches most often.
+    pub bodies: Vec<Body>,
+    /// Pairs of `bodies` that may meet.
+    pub pairs: Vec<(usize, usize)>,
+}
+
+impl<'a> Robot<'a> {
+    pub fn new(arm: &'a Arm, gripper: &'a GripperSpec) -> Self {
+        let mut bodies = Vec::new();
+        for placed in &gripper.bodies {
+            let on_flange = placed.moved(&gripper.flange_from_tcp);
+            bodies.push(Body::new(
+                "gripper",
+                arm.links().len(),
+                TOOL_GROUP,
+                &on_flange,
+                0.0,
+            ));
+        }
+        for (i, link) in arm.links().iter().enumerate().rev() {
+            for placed in &link.collision {
+                bodies.push(Body::new(&link.name, i, arm.joints_below(i), placed, 0.0));
+            }
+        }
+        let mut pairs = Vec::new();
+        for (i, a) in bodies.iter().enumerate() {
+            for (j, b) in bodies.iter().enumerate() {
+                if may_meet(a.group, b.group) {
+                    pairs.push((i, j));
+                }
+            }
+        }
+        Self {
+            arm,
+            gripper,
+            bodies,
+            pairs,
+        }
+    }
+
+    /// The carton as one more body, smaller by `shrink` on every side. `carried` is in the tool frame.
+    pub fn carton(&self, carried: &PlacedShape, shrink: f64) -> Body {
+        let on_flange = carried.moved(&self.gripper.flange_from_tcp);
+        Body::new(
+            "carton",
+            self.arm.links().len(),
+            TOOL_GROUP,
+            &on_flange,
+            -shrink,
+        )
+    }
+
+    /// Poses of all links and, last, of the flange.
+    pub fn frames(&self, joints: &JointPositions) -> Vec<Pose32> {
+        let mut frames: Vec<Pose32> = self
+            .arm
+            .base_from_links(joints)
+            .iter()
+            .map(convert::to_glam)
+            .collect();
+        frames.push(convert::to_glam(&self.arm.base_from_flange(joints)));
+        frames
+    }
+}
+
+/// Which groups can reach each other: neighbours overlap by design, and some pairs are kept apart by the joint limits.
+pub(crate) fn may_meet(outer: usize, inner: usize) -> bool {
+    match outer {
+        TOOL_GROUP => inner <= 3,
+        5 | 6 => inner <= 2,
+        4 => inner <= 1,
+        _ => false,
+    }
+}

@@ -1,0 +1,156 @@
+use depal_frames::JointPositions;
+use parry3d::{math::Pose as Pose32, query};
+
+use crate::{
+    bodies::{Body, Robot, may_meet},
+    refusal::{Obstacle, Stage, Touch},
+    world::World,
+};
+
+/// What is checked on one stretch of the way.
+#[derive(Clone, Copy)]
+pub(crate) struct Check<'a> {
+    pub robot: &'a Robot<'a>,
+    pub world: &'a World,
+    /// The carton on the gripper.
+    pub carton: Option<&'a Body>,
+    /// A seen box that is no obstacle here: the one to be picked.
+    pub without: Option<usize>,
+    pub stage: Stage,
+}
+
+/// One state, measured.
+pub(crate) struct Measured {
+    pub poses: Vec<Pose32>,
+    /// m, at most the cap.
+    pub distance: f32,
+    pub nearest: Option<Touch>,
+}
+
+impl<'a> Check<'a> {
+    /// All bodies, the carton last.
+    fn bodies(&self) -> impl Iterator<Item = &'a Body> {
+        self.robot.bodies.iter().chain(self.carton)
+    }
+
+    fn says(&self, body: &Body, obstacle: Obstacle) -> Touch {
+        Touch {
+            stage: self.stage,
+            body: body.name.clone(),
+            obstacle,
+        }
+    }
+
+    fn poses(&self, joints: &JointPositions) -> Vec<Pose32> {
+        let frames = self.robot.frames(joints);
+        self.bodies().map(|b| b.pose(&frames)).collect()
+    }
+
+    /// Pairs of moving bodies that may meet, as indices into [`Check::bodies`].
+    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> {
+        let bodies = &self.robot.bodies;
+        let carton = self.carton.map(|c| c.group);
+        let with_carton = bodies.iter().enumerate().filter_map(move |(i, b)| {
+            carton
+                .is_some_and(|group| may_meet(group, b.group))
+                .then_some((bodies.len(), i))
+        });
+        self.robot.pairs.iter().copied().chain(with_carton)
+    }
+
+    fn body(&self, index: usize) -> &'a Body {
+        match self.robot.bodies.get(index) {
+            Some(body) => body,
+            None => self
+                .carton
+                .expect("only the carton comes after the robot's bodies"),
+        }
+    }
+
+    fn link_of(&self, body: &Body) -> Obstacle {
+        let links = self.robot.arm.links();
+        let index = links.iter().position(|l| l.name == body.name);
+        Obstacle::Link(index.unwrap_or(links.len()))
+    }
+
+    /// The first touch of one state, in a fixed order: carton, gripper, links from the wrist inwards, then the arm with itself.
+    pub fn touch(&self, joints: &JointPositions) -> Option<Touch> {
+        let poses = self.poses(joints);
+        let meets = |(i, body): (usize, &Body)| {
+            if body.group == 0 {
+                return None;
+            }
+            let obstacle = self.world.meets(&poses[i], &body.shape, self.without)?;
+            Some(self.says(body, obstacle))
+        };
+        let last = poses.len() - 1;
+        if let Some(carton) = self.carton
+            && let Some(touch) = meets((last, carton))
+        {
+            return Some(touch);
+        }
+        if let Some(touch) = self.robot.bodies.iter().enumerate().find_map(meets) {
+            return Some(touch);
+        }
+        self.pairs().find_map(|(i, j)| {
+            let (a, b) = (self.body(i), self.body(j));
+            let met =
+                query::intersection_test(&poses[i], a.shape.as_ref(), &poses[j], b.shape.as_ref());
+            met.is_ok_and(|m| m.intersecting)
+                .then(|| self.says(a, self.link_of(b)))
+        })
+    }
+
+    /// Poses of all bodies and the least distance to obstacles and between pairs.
+    pub fn measure(&self, joints: &JointPositions, cap: f32) -> Measured {
+        let poses = self.poses(joints);
+        let (mut distance, mut nearest) = (cap, None);
+        for (body, pose) in self.bodies().zip(&poses) {
+            if body.group == 0 {
+                continue;
+            }
+            let (d, what) = self
+                .world
+                .distance(pose, &body.shape, self.without, distance);
+            if d < distance {
+                distance = d;
+                nearest = what.map(|w| self.says(body, w));
+            }
+        }
+        for (i, j) in self.pairs() {
+            let (a, b) = (self.body(i), self.body(j));
+            let gap = (poses[i].translation - poses[j].translation).length() - a.radius - b.radius;
+            if gap >= distance {
+                continue;
+            }
+            if let Ok(d) = query::distance(&poses[i], a.shape.as_ref(), &poses[j], b.shape.as_ref())
+                && d.distance < distance
+            {
+                distance = d.distance;
+                nearest = Some(self.says(a, self.link_of(b)));
+            }
+        }
+        Measured {
+            poses,
+            distance,
+            nearest,
+        }
+    }
+
+    /// Longest way of any point of any body between two states near each other, m.
+    pub fn displacement(&self, from: &[Pose32], to: &[Pose32]) -> f32 {
+        let mut largest: f32 = 0.0;
+        for ((body, a), b) in self.bodies().zip(from).zip(to) {
+            if body.group == 0 {
+                continue;
+            }
+            let (qa, qb) = (a.rotation, b.rotation);
+            let qb = if qa.dot(qb) < 0.0 { -qb } else { qb };
+            // The turn is twice the angle between the quaternions, and their chord is hardly shorter than that angle.
+            let turn = 2.02 * (qb - qa).length();
+            let way = (b.translation - a.translation).length() + turn * body.radius;
+            largest = largest.max(way);
+        }
+        largest
+    }
+}

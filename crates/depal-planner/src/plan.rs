@@ -1,0 +1,550 @@
+use depal_frames::{JointPositions, PlacedShape, Point, Pose, Rotation, Vector};
+
+use crate::{
+    bodies::{Body, Robot},
+    candidate::{Candidates, footprint_overlap},
+    certificate::certify,
+    contact::Check,
+    grasp::{Grasp, grasps},
+    path::{corner_states, touch_on_states, touch_on_way, vertical_line, ways},
+    refusal::{Refusal, RejectReason, Rejection, Stage, Touch},
+    request::PlanRequest,
+    suction::{along, loaded_percent, vertical_percent},
+    timing::{Trapezoid, chain_time},
+    world::World,
+};
+
+/// How a waypoint is reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// All joints together.
+    Joint,
+    /// The tool centre on a straight line.
+    Linear,
+}
+
+/// One point of the way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Waypoint {
+    /// Joint positions, rad.
+    pub joints: JointPositions,
+    /// Tool pose at these joints.
+    pub base_from_tcp: Pose,
+    /// How it is reached from the one before (from the start for the first).
+    pub motion: Motion,
+    /// Percent of full velocity of the move to it.
+    pub velocity_percent: f64,
+    /// The vacuum goes on here: the Vision Move.
+    pub is_pick: bool,
+}
+
+/// A checked way from the start to the pick and on to the place.
+///
+/// The start itself is not among the waypoints. Pick and place are to be reached exactly; every other waypoint may be flown past
+/// with a corner of up to `PlannerSettings::corner_zone`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PickPlan {
+    /// In order; the last one is the place.
+    pub waypoints: Vec<Waypoint>,
+    /// Index of the pick among the waypoints.
+    pub pick_index: usize,
+    /// Index of the box among the request's.
+    pub box_index: usize,
+    /// Sections to switch on, ascending.
+    pub sections: Vec<usize>,
+    /// From the tool centre to the middle of the carton's top face, tool frame, m.
+    pub tcp_offset: Vector,
+    /// Which edge or corner of the gripper is aligned with the carton; 0 = none, it is centred on its sections.
+    pub edge_corner_id: u8,
+    /// Orientation of the group against the gripper's long side: 0 along it, 1 across.
+    pub group_orientation: u8,
+    /// Orientation of the single box in the group: 0 along it, 1 across. One box is its own group: 0.
+    pub box_orientation: u8,
+    /// Length, width and height of the group, m.
+    pub group_size: [f64; 3],
+    /// The carton in the tool frame while it is carried.
+    pub carried: PlacedShape,
+    /// Least distance of arm, gripper and (in free moves) carton to anything, m; at most 0.15, where measuring ends.
+    /// The picked box itself counts as carton, and the carton's rubbing distance to its neighbours and to the supports
+    /// during the straight lift and set-down does not count.
+    pub min_clearance: f64,
+    /// Estimated time of the whole way, without waiting, s.
+    pub estimated_time: f64,
+    /// Boxes that come before this one in order or are unfit, and why.
+    pub rejected: Vec<Rejection>,
+}
+
+/// Chooses a box and plans the way there and to the place.
+///
+/// # Errors
+/// [`Refusal`] lists every box with its reason.
+pub fn plan_pick(request: &PlanRequest) -> Result<PickPlan, Refusal> {
+    let settings = request.settings;
+    if request.boxes.is_empty() {
+        return Err(Refusal::NoBoxes);
+    }
+    for (i, (&position, limit)) in request.start.iter().zip(request.arm.limits()).enumerate() {
+        if !(position >= limit.lower - 1e-6 && position <= limit.upper + 1e-6) {
+            return Err(Refusal::StartOutsideLimits {
+                joint: i + 1,
+                position,
+                lower: limit.lower,
+                upper: limit.upper,
+            });
+        }
+    }
+    let robot = Robot::new(request.arm, request.gripper);
+    let worlds = Worlds {
+        far: World::new(request, settings.transfer_padding),
+        close: World::new(request, settings.close_padding),
+        bare: World::new(request, 0.0),
+    };
+    let planner = Planner {
+        request,
+        robot: &robot,
+        worlds: &worlds,
+        start_far: planner_start(request, &robot, &worlds)?,
+    };
+    let place = Point::from(request.place.base_from_place.translation.vector);
+    let mut candidates = Candidates::choose(request.boxes, &place, settings);
+    for &box_index in &candidates.order {
+        match planner.pick_box(box_index) {
+            Ok(mut plan) => {
+                plan.rejected = candidates.rejected;
+                return Ok(plan);
+            }
+            Err(reason) => candidates.rejected.push(Rejection { box_index, reason }),
+        }
+    }
+    Err(Refusal::NothingFits(candidates.rejected))
+}
+
+/// The same obstacles in three thicknesses.
+struct Worlds {
+    far: World,
+    close: World,
+    bare: World,
+}
+
+/// Whether the first move can keep the full padding; it cannot when the arm starts closer than that to something.
+fn planner_start(request: &PlanRequest, robot: &Robot, worlds: &Worlds) -> Result<bool, Refusal> {
+    let check = |world| Check {
+        robot,
+        world,
+        carton: None,
+        without: None,
+        stage: Stage::Start,
+    };
+    if check(&worlds.far).touch(&request.start).is_none() {
+        return Ok(true);
+    }
+    match check(&worlds.close).touch(&request.start) {
+        None => Ok(false),
+        Some(touch) => Err(Refusal::StartTouches(touch)),
+    }
+}
+
+struct Planner<'a> {
+    request: &'a PlanRequest<'a>,
+    robot: &'a Robot<'a>,
+    worlds: &'a Worlds,
+    start_far: bool,
+}
+
+/// One combination of grasp, joints at the pick and joints at the place.
+struct Attempt {
+    grasp: usize,
+    tier: usize,
+    pick: JointPositions,
+    place: JointPositions,
+    time: f64,
+}
+
+/// The touch that came farthest along the way.
+#[derive(Default)]
+struct Farthest(Option<Touch>);
+
+impl Farthest {
+    fn note(&mut self, touch: Touch) {
+        if self.0.as_ref().is_none_or(|t| t.stage < touch.stage) {
+            self.0 = Some(touch);
+        }
+    }
+}
+
+impl Planner<'_> {
+    fn tool(&self, joints: &JointPositions) -> Pose {
+        self.request.arm.base_from_flange(joints) * self.request.gripper.flange_from_tcp
+    }
+
+    fn pick_box(&self, index: usize) -> Result<PickPlan, RejectReason> {
+        let settings = self.request.settings;
+        let grasps = grasps(self.request.gripper, &self.request.boxes[index], settings)?;
+        let mut farthest = Farthest::default();
+        let attempts = self.attempts(index, &grasps, &mut farthest)?;
+        let tried = attempts.len().min(settings.max_attempts);
+        let mut unreachable = None;
+        for attempt in attempts.iter().take(settings.max_attempts) {
+            match self.way(index, &grasps[attempt.grasp], attempt, &mut farthest) {
+                Ok(plan) if plan.waypoints.len() > settings.max_waypoints => {
+                    return Err(RejectReason::TooManyWaypoints {
+                        found: plan.waypoints.len(),
+                        limit: settings.max_waypoints,
+                    });
+                }
+                Ok(plan) => return Ok(plan),
+                Err(Some(stage)) => unreachable = Some(stage),
+                Err(None) => {}
+            }
+        }
+        Err(match (farthest.0, unreachable) {
+            (Some(touch), _) => RejectReason::Collision { touch, tried },
+            (None, stage) => RejectReason::Unreachable {
+                stage: stage.unwrap_or(Stage::TransferToPlace),
+                tried,
+            },
+        })
+    }
+
+    /// Every combination whose pick and place are reachable and free, in order of grasp and obstacle-free time.
+    fn attempts(
+        &self,
+        index: usize,
+        grasps: &[Grasp],
+        farthest: &mut Farthest,
+    ) -> Result<Vec<Attempt>, RejectReason> {
+        let request = self.request;
+        let (arm, settings) = (request.arm, request.settings);
+        let seen = &request.boxes[index];
+        let tcp_from_flange = request.gripper.flange_from_tcp.inverse();
+        let mut attempts: Vec<Attempt> = Vec::new();
+        let (mut reached_pick, mut reached_place, mut poses) = (false, false, 0);
+        let mut tier = 0;
+        for (g, grasp) in grasps.iter().enumerate() {
+            let same = |other: &Grasp| {
+                other.sections.len() == grasp.sections.len()
+                    && (other.tcp_offset.norm() - grasp.tcp_offset.norm()).abs() < 1e-3
+            };
+            if g > 0 && !same(&grasps[g - 1]) {
+                tier += 1;
+                // A worse grasp is looked at only when the better ones lead nowhere or are few.
+                if attempts.len() >= settings.max_attempts {
+                    break;
+                }
+            }
+            let at_pick = seen.base_from_box * grasp.box_from_tcp * tcp_from_flange;
+            let bare_tool = Check {
+                robot: self.robot,
+                world: &self.worlds.close,
+                carton: None,
+                without: Some(index),
+                stage: Stage::Pick,
+            };
+            let picks = arm.inverse(&at_pick);
+            reached_pick |= !picks.is_empty();
+            let picks = free_states(&bare_tool, picks, farthest);
+            if picks.is_empty() {
+                poses += 1;
+                continue;
+            }
+            let shrunk = self.robot.carton(&grasp.carried, settings.stack_tolerance);
+            let loaded = Check {
+                carton: Some(&shrunk),
+                stage: Stage::Place,
+                ..bare_tool
+            };
+            for &yaw in &request.place.yaws {
+                poses += 1;
+                let turn = Rotation::from_axis_angle(&Vector::z_axis(), yaw);
+                let up = Pose::translation(0.0, 0.0, seen.size.height + settings.place_gap);
+                let base_from_placed = request.place.base_from_place * turn * up;
+                let at_place = base_from_placed * grasp.box_from_tcp * tcp_from_flange;
+                let places = arm.inverse(&at_place);
+                reached_place |= !places.is_empty();
+                for place in free_states(&loaded, places, farthest) {
+                    for pick in &picks {
+                        let there = Trapezoid::joints(&request.start, pick, arm.limits());
+                        let back = Trapezoid::joints(pick, &place, arm.limits());
+                        attempts.push(Attempt {
+                            grasp: g,
+                            tier,
+                            pick: *pick,
+                            place,
+                            time: there.duration + back.duration,
+                        });
+                    }
+                }
+            }
+        }
+        if attempts.is_empty() {
+            return Err(match (reached_pick, reached_place, farthest.0.take()) {
+                (true, _, Some(touch)) => RejectReason::Collision {
+                    touch,
+                    tried: poses,
+                },
+                (true, ..) => RejectReason::Unreachable {
+                    stage: Stage::Place,
+                    tried: poses,
+                },
+                (false, ..) => RejectReason::Unreachable {
+                    stage: Stage::Pick,
+                    tried: poses,
+                },
+            });
+        }
+        attempts.sort_by(|a, b| a.tier.cmp(&b.tier).then(a.time.total_cmp(&b.time)));
+        Ok(attempts)
+    }
+
+    /// How far the carton is lifted straight up: its bottom clears whatever stands beside it, corner cutting included.
+    fn lift_height(&self, index: usize) -> f64 {
+        let settings = self.request.settings;
+        let target = &self.request.boxes[index];
+        let bottom = target.base_from_box.translation.z - target.size.height;
+        let neighbours = self
+            .request
+            .boxes
+            .iter()
+            .enumerate()
+            .filter(|&(i, other)| i != index && footprint_overlap(target, other) > -0.1)
+            .map(|(_, other)| other.base_from_box.translation.z)
+            .fold(bottom, f64::max);
+        let above = settings
+            .lift_clearance
+            .max(settings.corner_zone + settings.transfer_padding + 0.005);
+        neighbours + above - bottom
+    }
+
+    /// The whole way of one attempt. `Err(Some(stage))` says that a straight move leaves the arm's reach.
+    fn way(
+        &self,
+        index: usize,
+        grasp: &Grasp,
+        attempt: &Attempt,
+        farthest: &mut Farthest,
+    ) -> Result<PickPlan, Option<Stage>> {
+        let request = self.request;
+        let (arm, settings) = (request.arm, request.settings);
+        let carton = self.robot.carton(&grasp.carried, 0.0);
+        let shrunk = self.robot.carton(&grasp.carried, settings.stack_tolerance);
+        let check = |stage, world, carton, without| Check {
+            robot: self.robot,
+            world,
+            carton,
+            without,
+            stage,
+        };
+        let Worlds { far, close, bare } = self.worlds;
+        let target = Some(index);
+
+        // The straight moves.
+        let mut approach = vertical_line(arm, &attempt.pick, settings.approach_height)
+            .ok_or(Some(Stage::Approach))?;
+        approach.reverse();
+        let lift =
+            vertical_line(arm, &attempt.pick, self.lift_height(index)).ok_or(Some(Stage::Lift))?;
+        let mut set_down = vertical_line(arm, &attempt.place, settings.place_height)
+            .ok_or(Some(Stage::SetDown))?;
+        set_down.reverse();
+        let down = check(Stage::Approach, close, None, target);
+        let up = check(Stage::Lift, close, Some(&shrunk), target);
+        let lower = check(Stage::SetDown, close, Some(&shrunk), target);
+        let lower_bare = check(Stage::SetDown, bare, Some(&carton), target);
+        for (check, states) in [
+            (&down, &approach),
+            (&up, &lift),
+            (&lower, &set_down),
+            (&lower_bare, &set_down),
+        ] {
+            if let Some(touch) = touch_on_states(check, states) {
+                farthest.note(touch);
+                return Err(None);
+            }
+        }
+
+        // The free moves.
+        let first_world = if self.start_far { far } else { close };
+        let to_pick = check(Stage::TransferToPick, first_world, None, None);
+        let to_place = check(Stage::TransferToPlace, far, Some(&carton), target);
+        let there = self
+            .free_way(&to_pick, &request.start, None, &approach, None, farthest)
+            .ok_or(None)?;
+        let back = self
+            .free_way(
+                &to_place,
+                &lift[lift.len() - 1],
+                Some(&lift),
+                &set_down,
+                Some(settings.max_carry_tilt),
+                farthest,
+            )
+            .ok_or(None)?;
+
+        // The certificate: true bodies, all of the way.
+        let bare_of = |check: &Check<'_>| check.without;
+        let mut clearance = f64::INFINITY;
+        let stretches: [(Option<&Body>, Option<usize>, &[JointPositions]); 5] = [
+            (None, bare_of(&to_pick), &there),
+            (None, target, &approach),
+            (None, target, &lift),
+            (Some(&carton), target, &back),
+            (None, target, &set_down),
+        ];
+        for (carton, without, states) in stretches {
+            let fine = check(Stage::Certificate, bare, carton, without);
+            if let Err(touch) = certify(&fine, states, &mut clearance) {
+                farthest.note(touch);
+                return Err(None);
+            }
+        }
+        Ok(self.finish(
+            index, grasp, &there, &approach, &lift, &back, &set_down, clearance,
+        ))
+    }
+
+    /// The fastest free joint way between two straight moves, their corners included.
+    fn free_way(
+        &self,
+        check: &Check,
+        from: &JointPositions,
+        before: Option<&[JointPositions]>,
+        after: &[JointPositions],
+        upright: Option<f64>,
+        farthest: &mut Farthest,
+    ) -> Option<Vec<JointPositions>> {
+        let settings = self.request.settings;
+        let tool = |q: &JointPositions| self.tool(q);
+        let to = after[0];
+        let corner =
+            |a: &JointPositions, at: &JointPositions, b: &JointPositions, check: &Check| {
+                touch_on_states(check, &corner_states(tool, a, at, b, settings.corner_zone))
+            };
+        // Beside the straight moves the target box and the close padding count.
+        let beside = Check {
+            world: &self.worlds.close,
+            ..*check
+        };
+        for way in ways(self.request.arm, from, &to) {
+            match touch_on_way(check, &way.points, upright, settings) {
+                Some(Some(touch)) => {
+                    farthest.note(touch);
+                    continue;
+                }
+                Some(None) => continue,
+                None => {}
+            }
+            let points = &way.points;
+            let last = points.len() - 1;
+            let into = corner(&points[last - 1], &to, &after[after.len() / 2], &beside);
+            let out = before.and_then(|line| {
+                let half = &line[line.len() / 2];
+                corner(half, from, &points[1], &beside)
+            });
+            match into.or(out) {
+                Some(touch) => farthest.note(touch),
+                None => return Some(way.points),
+            }
+        }
+        None
+    }
+
+    fn finish(
+        &self,
+        box_index: usize,
+        grasp: &Grasp,
+        there: &[JointPositions],
+        approach: &[JointPositions],
+        lift: &[JointPositions],
+        back: &[JointPositions],
+        set_down: &[JointPositions],
+        min_clearance: f64,
+    ) -> PickPlan {
+        let request = self.request;
+        let (arm, settings) = (request.arm, request.settings);
+        let friction = request.gripper.vacuum.friction;
+        let mut waypoints: Vec<Waypoint> = Vec::new();
+        let mut moves: Vec<(Trapezoid, bool)> = Vec::new();
+        let mut add =
+            |joints: &JointPositions, profile: Trapezoid, motion, percent: f64, is_pick| {
+                waypoints.push(Waypoint {
+                    joints: *joints,
+                    base_from_tcp: self.tool(joints),
+                    motion,
+                    velocity_percent: percent,
+                    is_pick,
+                });
+                moves.push((profile.slowed(percent), is_pick));
+            };
+        let line = |states: &[JointPositions]| {
+            let [from, to] =
+                [0, states.len() - 1].map(|i| self.tool(&states[i]).translation.vector);
+            Trapezoid::line(
+                (to - from).norm(),
+                settings.linear_speed,
+                settings.linear_acceleration,
+            )
+        };
+        let end = |states: &[JointPositions]| states[states.len() - 1];
+        for w in there.windows(2) {
+            let profile = Trapezoid::joints(&w[0], &w[1], arm.limits());
+            add(&w[1], profile, Motion::Joint, 100.0, false);
+        }
+        add(&end(approach), line(approach), Motion::Linear, 100.0, true);
+        let straight = vertical_percent(grasp.force, friction, settings);
+        add(&end(lift), line(lift), Motion::Linear, straight, false);
+        let carton_in_tcp = grasp.carried.pose.translation.vector;
+        for w in back.windows(2) {
+            let profile = Trapezoid::joints(&w[0], &w[1], arm.limits());
+            let percent = loaded_percent(
+                &profile,
+                along(|q| self.tool(q), &w[0], &w[1]),
+                &carton_in_tcp,
+                grasp.force,
+                friction,
+                settings,
+            );
+            add(&w[1], profile, Motion::Joint, percent, false);
+        }
+        add(
+            &end(set_down),
+            line(set_down),
+            Motion::Linear,
+            straight,
+            false,
+        );
+        let size = request.boxes[box_index].size;
+        PickPlan {
+            pick_index: there.len() - 1,
+            estimated_time: chain_time(&moves),
+            waypoints,
+            box_index,
+            sections: grasp.sections.clone(),
+            tcp_offset: grasp.tcp_offset,
+            edge_corner_id: 0,
+            group_orientation: u8::from(grasp.across),
+            box_orientation: 0,
+            group_size: [size.length, size.width, size.height],
+            carried: grasp.carried.clone(),
+            min_clearance,
+            rejected: Vec::new(),
+        }
+    }
+}
+
+/// The states that touch nothing; what the others touch is noted.
+fn free_states(
+    check: &Check,
+    states: Vec<JointPositions>,
+    farthest: &mut Farthest,
+) -> Vec<JointPositions> {
+    states
+        .into_iter()
+        .filter(|q| match check.touch(q) {
+            None => true,
+            Some(touch) => {
+                farthest.note(touch);
+                false
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,147 @@
+use depal_frames::{PlacedShape, Point, Pose, Rotation, Shape, Vector, convert};
+use nalgebra::Translation3;
+use parry3d::{
+    bounding_volume::{Aabb, BoundingVolume},
+    math::Pose as Pose32,
+    partitioning::{Bvh, BvhBuildStrategy},
+    query,
+    shape::SharedShape,
+};
+
+use crate::{refusal::Obstacle, request::PlanRequest};
+
+/// A shape of the collision library and where it sits on its parent.
+///
+/// The library's cylinders lie along Y, ours along Z.
+pub(crate) fn solid(placed: &PlacedShape, padding: f64) -> (Pose32, SharedShape) {
+    let pad = padding as f32;
+    let turned = |turn: Rotation| convert::to_glam(&(placed.pose * turn));
+    let upright = Rotation::identity();
+    match &placed.shape {
+        Shape::Cuboid { half_extents } => {
+            let [x, y, z] = [0, 1, 2].map(|i| (half_extents[i] as f32 + pad).max(1e-4));
+            (turned(upright), SharedShape::cuboid(x, y, z))
+        }
+        Shape::Capsule {
+            half_length,
+            radius,
+        } => (
+            turned(upright),
+            SharedShape::capsule_z(*half_length as f32, *radius as f32 + pad),
+        ),
+        Shape::Cylinder {
+            half_length,
+            radius,
+        } => (
+            turned(Rotation::from_axis_angle(
+                &Vector::x_axis(),
+                std::f64::consts::FRAC_PI_2,
+            )),
+            SharedShape::cylinder(*half_length as f32 + pad, *radius as f32 + pad),
+        ),
+        Shape::Sphere { radius } => (turned(upright), SharedShape::ball(*radius as f32 + pad)),
+    }
+}
+
+struct Solid {
+    what: Obstacle,
+    pose: Pose32,
+    shape: SharedShape,
+}
+
+/// Everything the arm must not touch, thickened by one padding.
+pub(crate) struct World {
+    solids: Vec<Solid>,
+    tree: Bvh,
+}
+
+impl World {
+    pub fn new(request: &PlanRequest, padding: f64) -> Self {
+        let mut solids = Vec::new();
+        let mut add = |what: Obstacle, placed: &PlacedShape| {
+            let (pose, shape) = solid(placed, padding);
+            solids.push(Solid { what, pose, shape });
+        };
+        for (i, seen) in request.boxes.iter().enumerate() {
+            let size = seen.size;
+            let body = PlacedShape::cuboid(
+                seen.base_from_box * Pose::translation(0.0, 0.0, -size.height * 0.5),
+                Vector::new(size.length, size.width, size.height),
+            );
+            add(Obstacle::Box(i), &body);
+            // Nobody sees what stands below: solid down to the floor, upright.
+            let at = seen.base_from_box.translation.vector;
+            let bottom = at.z - size.height;
+            if bottom > 0.01 {
+                let long = seen.base_from_box.rotation * Vector::x();
+                let yaw = Rotation::from_axis_angle(&Vector::z_axis(), long.y.atan2(long.x));
+                let middle = Translation3::new(at.x, at.y, bottom * 0.5);
+                let column = PlacedShape::cuboid(
+                    Pose::from_parts(middle, yaw),
+                    Vector::new(size.length, size.width, bottom),
+                );
+                add(Obstacle::BelowBox(i), &column);
+            }
+        }
+        for (i, known) in request.known_obstacles.iter().enumerate() {
+            add(Obstacle::Known(i), known);
+        }
+        let side = request.settings.point_size;
+        for point in request.obstacle_points {
+            let cube = PlacedShape::cuboid(
+                Pose::from_parts(Translation3::from(point.coords), Rotation::identity()),
+                Vector::new(side, side, side),
+            );
+            add(Obstacle::SeenPoint(Point::from(point.coords)), &cube);
+        }
+        let leaves: Vec<Aabb> = solids
+            .iter()
+            .map(|s| s.shape.compute_aabb(&s.pose))
+            .collect();
+        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
+        Self { solids, tree }
+    }
+
+    /// What a body at `pose` meets, the first in a fixed order.
+    pub fn meets(
+        &self,
+        pose: &Pose32,
+        shape: &SharedShape,
+        without: Option<usize>,
+    ) -> Option<Obstacle> {
+        let around = shape.compute_aabb(pose);
+        self.tree
+            .intersect_aabb(&around)
+            .map(|i| &self.solids[i as usize])
+            .filter(|s| without.is_none_or(|i| s.what != Obstacle::Box(i)))
+            .find(|s| {
+                query::intersection_test(pose, shape.as_ref(), &s.pose, s.shape.as_ref())
+                    .is_ok_and(|t| t.intersecting)
+            })
+            .map(|s| s.what)
+    }
+
+    /// Distance to the nearest obstacle, m, at most `cap`, and which it is.
+    pub fn distance(
+        &self,
+        pose: &Pose32,
+        shape: &SharedShape,
+        without: Option<usize>,
+        cap: f32,
+    ) -> (f32, Option<Obstacle>) {
+        let around = shape.compute_aabb(pose).loosened(cap);
+        let mut nearest = (cap, None);
+        for i in self.tree.intersect_aabb(&around) {
+            let s = &self.solids[i as usize];
+            if without.is_some_and(|i| s.what == Obstacle::Box(i)) {
+                continue;
+            }
+            if let Ok(d) = query::distance(pose, shape.as_ref(), &s.pose, s.shape.as_ref())
+                && d.distance < nearest.0
+            {
+                nearest = (d.distance, Some(s.what));
+            }
+        }
+        nearest
+    }
+}
