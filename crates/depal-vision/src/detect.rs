@@ -4,15 +4,17 @@ use depal_frames::{BoxSize, DepthFrame, Point};
 
 use crate::{
     DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
+    arrange::{arrange, touches},
     components::{Component, components},
     gate::{DepthImage, gate},
     obstacles::obstacle_points,
     orientation::{main_direction, outline},
     patch::{Patch, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
-    search::{Candidate, search},
+    search::{Candidate, extents, search},
+    sides::fit_rectangle,
     steps::surface_mask,
-    verify::{Proof, verify},
+    verify::{LEAST_SEEN, Proof, verify},
 };
 
 /// Finds every whole uncovered top face of a known size. A frame that is empty, all invalid or
@@ -223,8 +225,10 @@ fn boxes_on(
     let x = [x[0] - MARGIN, x[1] + MARGIN];
     let y = [y[0] - MARGIN, y[1] + MARGIN];
     let patch = Patch::new(image, frame, x, y, pitch, settings.plane_tolerance);
+    let outlined = search(&patch, &settings.sizes, settings.min_visible);
     let mut boxes = Vec::new();
-    for candidate in search(&patch, &settings.sizes, settings.min_visible) {
+    let mut fixed = Vec::new();
+    for candidate in outlined {
         let start = start_frame(&patch, &candidate);
         match verify(
             image,
@@ -234,11 +238,95 @@ fn boxes_on(
             candidate.turned,
             Proof::Outline,
         ) {
+            Ok(found) => {
+                boxes.push(found);
+                fixed.push(candidate);
+            }
+            Err(reason) => refuse(reason, start.origin),
+        }
+    }
+    let Some(arrangement) = arrange(&patch, &settings.sizes, &fixed) else {
+        return boxes;
+    };
+    if arrangement.ambiguous {
+        refuse(RejectReason::Ambiguous, patch.frame.origin);
+    }
+    for (candidate, start) in settle(image, settings, &patch, &arrangement.boxes, &fixed) {
+        match verify(
+            image,
+            settings,
+            start,
+            candidate.label,
+            candidate.turned,
+            Proof::Arrangement,
+        ) {
             Ok(found) => boxes.push(found),
             Err(reason) => refuse(reason, start.origin),
         }
     }
     boxes
+}
+
+/// Where an arranged box starts its exact fit: along an axis with a seen side from that side, else
+/// midway between its neighbours, which share the slack of the row equally.
+fn settle(
+    image: &DepthImage,
+    settings: &VisionSettings,
+    patch: &Patch,
+    arranged: &[Candidate],
+    fixed: &[Candidate],
+) -> Vec<(Candidate, PlaneFrame)> {
+    const ROUNDS: usize = 60;
+    let all: Vec<Candidate> = arranged.iter().chain(fixed).copied().collect();
+    let half =
+        |c: &Candidate| extents(&settings.sizes[c.label as usize], c.turned).map(|e| e / 2.0);
+    let mut centres = Vec::new();
+    let mut held = Vec::new();
+    for candidate in &all {
+        let start = start_frame(patch, candidate);
+        let sides = half(candidate).map(|h| 2.0 * h);
+        let fit = fit_rectangle(image, start, sides, settings.plane_tolerance, LEAST_SEEN);
+        let offset = fit.frame.origin - patch.frame.origin;
+        centres.push([offset.dot(&patch.frame.x), offset.dot(&patch.frame.y)]);
+        held.push([0, 1].map(|axis: usize| {
+            fit.sides[2 * axis].seen >= LEAST_SEEN || fit.sides[2 * axis + 1].seen >= LEAST_SEEN
+        }));
+    }
+    for _ in 0..ROUNDS {
+        for b in 0..all.len() {
+            for axis in 0..2 {
+                if held[b][axis] {
+                    continue;
+                }
+                let (mut sum, mut count) = (0.0, 0.0);
+                for (o, other) in all.iter().enumerate() {
+                    for (side, sign) in [(2 * axis, 1.0), (2 * axis + 1, -1.0)] {
+                        if o != b && touches(&all[b], other, side, patch.pitch) {
+                            sum +=
+                                centres[o][axis] + sign * (half(other)[axis] + half(&all[b])[axis]);
+                            count += 1.0;
+                        }
+                    }
+                }
+                if count > 0.0 {
+                    centres[b][axis] = sum / count;
+                }
+            }
+        }
+    }
+    arranged
+        .iter()
+        .zip(centres)
+        .map(|(candidate, [x, y])| {
+            (
+                *candidate,
+                PlaneFrame {
+                    origin: patch.frame.point(x, y),
+                    ..patch.frame
+                },
+            )
+        })
+        .collect()
 }
 
 fn start_frame(patch: &Patch, candidate: &Candidate) -> PlaneFrame {

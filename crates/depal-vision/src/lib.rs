@@ -1,5 +1,6 @@
 //! Box poses from one depth frame.
 
+mod arrange;
 mod components;
 mod detect;
 mod detection;

@@ -4,8 +4,11 @@ use depal_frames::BoxSize;
 
 use crate::patch::Patch;
 
-/// A side counts as seen from this share of edge on; a 1 mm gap seen with 2 mm pixels gives 0.4.
-pub const SEEN: f64 = 0.35;
+/// A side counts as seen from this share of edge on. Lone holes and noise give 0.02 anywhere; a
+/// 1 mm gap seen with 2 mm pixels, along which both camera and projector look, gives 0.2.
+pub const SEEN: f64 = 0.15;
+/// Within a carton this share is a seam: more careful than for its sides.
+const SEAM: f64 = 0.1;
 
 /// A rectangle of cells with a known size.
 #[derive(Debug, Clone, Copy)]
@@ -108,7 +111,7 @@ pub fn has_seam(patch: &Patch, candidate: &Candidate) -> bool {
     let (sj0, sj1) = (j0 + 4, j1 - 4);
     let across = (i0 + MARGIN..i1 - MARGIN.min(i1)).any(|i| {
         let k = i as isize;
-        patch.vertical_edge(k, sj0, sj1) > SEEN
+        patch.vertical_edge(k, sj0, sj1) > SEAM
             && patch
                 .shares(k - BESIDE - 3, sj0 as isize, k - BESIDE, sj1 as isize)
                 .0
@@ -120,7 +123,7 @@ pub fn has_seam(patch: &Patch, candidate: &Candidate) -> bool {
     });
     let along = (j0 + MARGIN..j1 - MARGIN.min(j1)).any(|j| {
         let k = j as isize;
-        patch.horizontal_edge(k, si0, si1) > SEEN
+        patch.horizontal_edge(k, si0, si1) > SEAM
             && patch
                 .shares(si0 as isize, k - BESIDE - 3, si1 as isize, k - BESIDE)
                 .0

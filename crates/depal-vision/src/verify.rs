@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Least share of scan lines with an edge for a side to count as seen.
-const LEAST_SEEN: f64 = 0.35;
+pub const LEAST_SEEN: f64 = 0.15;
 
 /// What is demanded of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
