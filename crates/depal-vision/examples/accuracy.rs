@@ -16,16 +16,8 @@ fn main() {
     println!(
         "gap layer | found fp | xy mm median p95 max | z p95 | yaw deg median p95 | tilt p95 | ms"
     );
-    for layer in if std::env::var("DBG").is_ok() {
-        vec![1]
-    } else {
-        vec![6, 1]
-    } {
-        for gap_mm in if std::env::var("DBG").is_ok() {
-            vec![2.0]
-        } else {
-            vec![6.0, 4.0, 3.0, 2.0, 1.0, 0.0]
-        } {
+    for layer in [6, 1] {
+        for gap_mm in [6.0, 4.0, 3.0, 2.0, 1.0, 0.0] {
             let mut score = synthetic::Score::default();
             let mut fastest = f64::MAX;
             let mut reasons = Vec::new();

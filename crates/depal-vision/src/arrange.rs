@@ -82,7 +82,7 @@ pub fn arrange(patch: &Patch, sizes: &[BoxSize], fixed: &[Candidate]) -> Option<
         .flat_map(|b| inner_sides(b, &best, patch))
         .filter(|&s| s > 0.1)
         .count();
-    if seams == 0 && best.len() < LEAST_WITHOUT_SEAM {
+    if seams == 0 && best.len() + fixed.len() < LEAST_WITHOUT_SEAM {
         return Some(Arrangement {
             boxes: Vec::new(),
             ambiguous: true,

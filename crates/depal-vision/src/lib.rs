@@ -13,6 +13,7 @@ mod search;
 mod settings;
 mod sides;
 mod steps;
+mod surface;
 mod verify;
 
 pub use detect::detect;
