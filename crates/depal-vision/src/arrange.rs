@@ -1,0 +1,251 @@
+//! Stage 7b: surfaces on which gaps are too small to be seen are covered exactly by known sizes.
+
+use depal_frames::BoxSize;
+
+use crate::{
+    patch::Patch,
+    search::{Candidate, climb, extents, has_seam, measure},
+};
+
+/// Side of the blocks in which "still uncovered" is counted, cells.
+const BLOCK: usize = 8;
+/// Placements tried before giving up: far more than any sensible layer needs.
+const MOST_TRIES: usize = 4000;
+/// Readings compared before deciding.
+const MOST_READINGS: usize = 16;
+/// A reading must beat every different one by this much edge per box, else it is ambiguous.
+const CLEAR_LEAD: f64 = 0.05;
+/// Without any seam seen between them, fewer cartons than this may as well be one larger carton.
+const LEAST_WITHOUT_SEAM: usize = 3;
+
+/// What covers a surface.
+pub struct Arrangement {
+    /// The new boxes (those given as fixed are not repeated).
+    pub boxes: Vec<Candidate>,
+    /// Other coverings explain the surface equally well; `boxes` is what all of them share.
+    pub ambiguous: bool,
+}
+
+/// Covers what `fixed` leaves uncovered. `None` when the known sizes cannot cover it.
+pub fn arrange(patch: &Patch, sizes: &[BoxSize], fixed: &[Candidate]) -> Option<Arrangement> {
+    let (bx, by) = (patch.columns / BLOCK, patch.rows / BLOCK);
+    let mut blocks = Vec::new();
+    for j in 0..by {
+        for i in 0..bx {
+            let (i0, j0) = ((i * BLOCK) as isize, (j * BLOCK) as isize);
+            if patch
+                .shares(i0, j0, i0 + BLOCK as isize, j0 + BLOCK as isize)
+                .0
+                > 0.9
+            {
+                blocks.push([i * BLOCK + BLOCK / 2, j * BLOCK + BLOCK / 2]);
+            }
+        }
+    }
+    let mut search = Cover {
+        patch,
+        sizes,
+        blocks,
+        tries: 0,
+        readings: Vec::new(),
+    };
+    let mut placed = fixed.to_vec();
+    search.descend(&mut placed, 0);
+    if search.tries >= MOST_TRIES {
+        return None;
+    }
+    let mut readings: Vec<Vec<Candidate>> = search
+        .readings
+        .into_iter()
+        .map(|r| r[fixed.len()..].to_vec())
+        .filter(|r| !r.is_empty())
+        .collect();
+    readings.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
+    let best = readings.first()?.clone();
+    let rivals: Vec<&Vec<Candidate>> = readings[1..]
+        .iter()
+        .filter(|r| merit(r) > merit(&best) - CLEAR_LEAD && !same(&best, r))
+        .collect();
+    if !rivals.is_empty() {
+        let shared = best
+            .iter()
+            .filter(|b| rivals.iter().all(|r| r.iter().any(|o| alike(b, o))))
+            .copied()
+            .collect();
+        return Some(Arrangement {
+            boxes: shared,
+            ambiguous: true,
+        });
+    }
+    let seams = best
+        .iter()
+        .flat_map(|b| inner_sides(b, &best, patch))
+        .filter(|&s| s > 0.1)
+        .count();
+    if seams == 0 && best.len() + fixed.len() < LEAST_WITHOUT_SEAM {
+        return Some(Arrangement {
+            boxes: Vec::new(),
+            ambiguous: true,
+        });
+    }
+    Some(Arrangement {
+        boxes: best,
+        ambiguous: false,
+    })
+}
+
+/// Mean edge seen per box.
+fn merit(boxes: &[Candidate]) -> f64 {
+    boxes
+        .iter()
+        .map(|b| b.sides.iter().sum::<f64>())
+        .sum::<f64>()
+        / boxes.len().max(1) as f64
+}
+
+fn alike(a: &Candidate, b: &Candidate) -> bool {
+    a.label == b.label
+        && a.turned == b.turned
+        && (0..2).all(|k| a.first[k].abs_diff(b.first[k]) <= 6)
+}
+
+fn same(a: &[Candidate], b: &[Candidate]) -> bool {
+    a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| alike(x, y)))
+}
+
+/// Edge shares of the sides of `b` that touch another box.
+fn inner_sides(b: &Candidate, all: &[Candidate], patch: &Patch) -> Vec<f64> {
+    (0..4)
+        .filter(|&side| all.iter().any(|o| touches(b, o, side, patch.pitch)))
+        .map(|side| b.sides[side])
+        .collect()
+}
+
+/// True when `other` lies directly beyond side `side` (-X, +X, -Y, +Y) of `b`, within 10 mm, along
+/// at least a third of it.
+pub fn touches(b: &Candidate, other: &Candidate, side: usize, pitch: f64) -> bool {
+    let axis = side / 2;
+    let reach = (0.010 / pitch).ceil() as isize;
+    let (first, last) = (
+        b.first[axis] as isize,
+        (b.first[axis] + b.cells[axis]) as isize,
+    );
+    let (other_first, other_last) = (
+        other.first[axis] as isize,
+        (other.first[axis] + other.cells[axis]) as isize,
+    );
+    let distance = if side.is_multiple_of(2) {
+        first - other_last
+    } else {
+        other_first - last
+    };
+    let across = 1 - axis;
+    let low = b.first[across].max(other.first[across]);
+    let high = (b.first[across] + b.cells[across]).min(other.first[across] + other.cells[across]);
+    distance.abs() <= reach
+        && high.saturating_sub(low) * 3 >= b.cells[across].min(other.cells[across])
+}
+
+struct Cover<'a> {
+    patch: &'a Patch,
+    sizes: &'a [BoxSize],
+    blocks: Vec<[usize; 2]>,
+    tries: usize,
+    readings: Vec<Vec<Candidate>>,
+}
+
+impl Cover<'_> {
+    /// `from`: all blocks before it are covered. The first uncovered block (lowest row, then
+    /// column) holds the low corner of some box.
+    fn descend(&mut self, placed: &mut Vec<Candidate>, from: usize) {
+        if self.tries >= MOST_TRIES || self.readings.len() >= MOST_READINGS {
+            return;
+        }
+        let covered = |block: &[usize; 2], placed: &[Candidate]| {
+            placed.iter().any(|p| {
+                (0..2)
+                    .all(|k| block[k] + 5 >= p.first[k] && block[k] <= p.first[k] + p.cells[k] + 5)
+            })
+        };
+        let Some(next) = (from..self.blocks.len()).find(|&b| !covered(&self.blocks[b], placed))
+        else {
+            self.readings.push(placed.clone());
+            return;
+        };
+        let corner = self.corner(self.blocks[next], placed);
+        for label in 0..self.sizes.len() {
+            for turned in [false, true] {
+                let size = &self.sizes[label];
+                if turned && size.length - size.width < self.patch.pitch {
+                    continue;
+                }
+                let cells = extents(size, turned).map(|s| (s / self.patch.pitch).round() as usize);
+                if cells.iter().any(|&n| n < 24) {
+                    continue;
+                }
+                self.tries += 1;
+                if let Some(candidate) = self.place(corner, label as u32, turned, cells, placed) {
+                    placed.push(candidate);
+                    self.descend(placed, next);
+                    placed.pop();
+                }
+            }
+        }
+    }
+
+    /// The low corner of the box that holds a block: down and left until the surface or the free
+    /// space ends.
+    fn corner(&self, block: [usize; 2], placed: &[Candidate]) -> [usize; 2] {
+        let taken = |i: isize, j: isize| {
+            placed.iter().any(|p| {
+                let inside = |k: usize, v: isize| {
+                    v >= p.first[k] as isize && v < (p.first[k] + p.cells[k]) as isize
+                };
+                inside(0, i) && inside(1, j)
+            })
+        };
+        let (mut i, mut j) = (block[0] as isize, block[1] as isize);
+        while i > 0
+            && !taken(i - 1, block[1] as isize)
+            && self.patch.shares(i - 1, j - 2, i, j + 3).0 > 0.5
+        {
+            i -= 1;
+        }
+        let column = block[0] as isize;
+        while j > 0
+            && !taken(column, j - 1)
+            && self.patch.shares(column - 2, j - 1, column + 3, j).0 > 0.5
+        {
+            j -= 1;
+        }
+        [i as usize, j as usize]
+    }
+
+    fn place(
+        &self,
+        corner: [usize; 2],
+        label: u32,
+        turned: bool,
+        cells: [usize; 2],
+        placed: &[Candidate],
+    ) -> Option<Candidate> {
+        const WHOLE: f64 = 0.96;
+        let exact = measure(self.patch, label, turned, corner, cells, WHOLE);
+        // The corner may be a cell or two off; edges that are seen settle it.
+        let start = exact.or_else(|| {
+            let inward = corner.map(|c| c + 1);
+            measure(self.patch, label, turned, inward, cells, WHOLE)
+        })?;
+        let moved = climb(self.patch, start, WHOLE);
+        let near = (0..2).all(|k| moved.first[k].abs_diff(start.first[k]) <= 4);
+        let candidate = if near && moved.score > start.score + 0.15 {
+            moved
+        } else {
+            start
+        };
+        let clear = placed
+            .iter()
+            .all(|p| p.overlap(&candidate) < 0.04 && candidate.overlap(p) < 0.04);
+        (clear && !has_seam(self.patch, &candidate)).then_some(candidate)
+    }
+}

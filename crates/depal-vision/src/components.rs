@@ -1,0 +1,75 @@
+//! Stage 3: connected pieces of surface, as runs of pixels.
+
+/// Pixels `first..=last` of one row.
+#[derive(Debug, Clone, Copy)]
+pub struct Run {
+    pub row: usize,
+    pub first: usize,
+    pub last: usize,
+}
+
+/// One connected piece (4-neighbourhood), runs in row order.
+#[derive(Debug, Clone, Default)]
+pub struct Component {
+    pub runs: Vec<Run>,
+    pub pixels: usize,
+}
+
+/// All pieces of a mask in order of their first pixel.
+pub fn components(mask: &[u8], width: usize) -> Vec<Component> {
+    let mut runs: Vec<Run> = Vec::new();
+    let mut parent: Vec<usize> = Vec::new();
+    let mut above = 0..0;
+    for (row, line) in mask.chunks_exact(width).enumerate() {
+        let start = runs.len();
+        let mut u = 0;
+        while let Some(offset) = line[u..].iter().position(|&b| b == 1) {
+            let first = u + offset;
+            let length = line[first..]
+                .iter()
+                .position(|&b| b == 0)
+                .unwrap_or(width - first);
+            parent.push(runs.len());
+            runs.push(Run {
+                row,
+                first,
+                last: first + length - 1,
+            });
+            u = first + length;
+        }
+        let mut upper = above.start;
+        for lower in start..runs.len() {
+            while upper < above.end && runs[upper].last < runs[lower].first {
+                upper += 1;
+            }
+            let mut touching = upper;
+            while touching < above.end && runs[touching].first <= runs[lower].last {
+                let (a, b) = (root(&mut parent, touching), root(&mut parent, lower));
+                parent[a.max(b)] = a.min(b);
+                touching += 1;
+            }
+        }
+        above = start..runs.len();
+    }
+    let mut slot = vec![usize::MAX; runs.len()];
+    let mut found: Vec<Component> = Vec::new();
+    for i in 0..runs.len() {
+        let r = root(&mut parent, i);
+        if slot[r] == usize::MAX {
+            slot[r] = found.len();
+            found.push(Component::default());
+        }
+        let component = &mut found[slot[r]];
+        component.pixels += runs[i].last - runs[i].first + 1;
+        component.runs.push(runs[i]);
+    }
+    found
+}
+
+fn root(parent: &mut [usize], mut i: usize) -> usize {
+    while parent[i] != i {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    i
+}

@@ -1,0 +1,122 @@
+//! The stages in order.
+
+use depal_frames::{BoxSize, DepthFrame, Point};
+
+use crate::{
+    DetectedBox, Detection, VisionSettings,
+    components::{Component, components},
+    gate::{DepthImage, gate},
+    obstacles::obstacle_points,
+    steps::surface_mask,
+    surface::{Surface, neighbours},
+};
+
+/// Finds every whole uncovered top face of a known size. A frame that is empty, all invalid or
+/// contradicts itself gives an empty detection. Pure: the same frame gives the same bits.
+pub fn detect(frame: &DepthFrame, settings: &VisionSettings) -> Detection {
+    let Some(image) = gate(frame, settings) else {
+        return Detection::default();
+    };
+    let mut detection = Detection {
+        points_in_region: image.points_in_region,
+        ..Detection::default()
+    };
+    if image.points_in_region == 0 {
+        return detection;
+    }
+    if settings.sizes.iter().any(is_usable) {
+        find_boxes(&image, settings, &mut detection);
+    }
+    detection.obstacle_points = obstacle_points(&image, &detection.boxes, settings.obstacle_voxel);
+    detection
+}
+
+fn is_usable(size: &BoxSize) -> bool {
+    [size.length, size.width]
+        .iter()
+        .all(|s| s.is_finite() && (0.02..5.0).contains(s))
+}
+
+fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Detection) {
+    let (depth, inside) = image.with_lone_holes_filled();
+    let mask = surface_mask(&depth, &inside, image.width, image.height, settings.step);
+    let smallest = settings
+        .sizes
+        .iter()
+        .filter(|s| is_usable(s))
+        .map(|s| s.length * s.width)
+        .fold(f64::MAX, f64::min);
+    let mut found: Vec<DetectedBox> = Vec::new();
+    let mut surfaces = Vec::new();
+    for component in components(&mask, image.width) {
+        match Surface::new(component, &depth, image, settings, smallest) {
+            Ok(surface) => surfaces.push(surface),
+            Err(rejected) => detection.rejected.extend(rejected),
+        }
+    }
+    // First every piece by itself, with its own direction.
+    surfaces.retain_mut(|surface| match surface.search(&mask, image, settings) {
+        Ok(boxes) => {
+            let explained: f64 = boxes.iter().map(|b| b.size.length * b.size.width).sum();
+            surface.solved = explained > 0.95 * surface.area;
+            found.extend(boxes);
+            true
+        }
+        Err(rejected) => {
+            detection.rejected.push(rejected);
+            false
+        }
+    });
+    // Then what is left together with its neighbours of the same height.
+    for group in neighbours(&surfaces, settings) {
+        if group.iter().all(|&s| surfaces[s].solved) {
+            continue;
+        }
+        let mut whole = Component::default();
+        for &s in &group {
+            whole.pixels += surfaces[s].component.pixels;
+            whole.runs.extend(&surfaces[s].component.runs);
+        }
+        whole.runs.sort_by_key(|r| (r.row, r.first));
+        match Surface::new(whole, &depth, image, settings, smallest) {
+            Ok(surface) => {
+                found.extend(surface.cover(&mask, image, settings, &mut detection.rejected))
+            }
+            Err(rejected) => detection.rejected.extend(rejected),
+        }
+    }
+    found.sort_by(|a, b| b.confidence.total_cmp(&a.confidence).then(nearer(a, b)));
+    for b in found {
+        let inside_region = settings
+            .region
+            .as_ref()
+            .is_none_or(|r| r.contains(&Point::from(b.camera_from_box.translation.vector)));
+        if inside_region && !detection.boxes.iter().any(|other| overlap(other, &b)) {
+            detection.boxes.push(b);
+        }
+    }
+    detection.boxes.sort_by(nearer);
+}
+
+/// Nearest first; equal depths (to 1 mm) by row, then column of the view.
+fn nearer(a: &DetectedBox, b: &DetectedBox) -> std::cmp::Ordering {
+    let key = |d: &DetectedBox| d.camera_from_box.translation.vector;
+    let (a, b) = (key(a), key(b));
+    a.z.total_cmp(&b.z)
+        .then(a.y.total_cmp(&b.y))
+        .then(a.x.total_cmp(&b.x))
+}
+
+/// True when the middle of one top lies well inside the other's, at about the same height.
+fn overlap(a: &DetectedBox, b: &DetectedBox) -> bool {
+    let reach = |d: &DetectedBox| d.size.width / 2.0;
+    let inside = |a: &DetectedBox, b: &DetectedBox| {
+        let p = a
+            .camera_from_box
+            .inverse_transform_point(&Point::from(b.camera_from_box.translation.vector));
+        p.x.abs() < a.size.length / 2.0 + reach(b) * 0.9
+            && p.y.abs() < a.size.width / 2.0 + reach(b) * 0.9
+            && p.z.abs() < 0.02
+    };
+    inside(a, b) && inside(b, a)
+}

@@ -1,0 +1,127 @@
+//! Stage 4: planes. A plane in space is exactly affine in inverse depth: 1/z = a u + b v + c.
+
+use depal_frames::{Intrinsics, Point, Vector};
+use nalgebra::Matrix3;
+
+/// A plane as `1/z = coefficient · ray(u, v)`; `coefficient` = unit normal / distance.
+#[derive(Debug, Clone, Copy)]
+pub struct Plane {
+    pub coefficient: Vector,
+}
+
+/// Robust least squares over samples `(u, v, z)`; also the root mean square distance in depth,
+/// metres, of the samples within the tolerance. `None` when the samples do not span a plane.
+pub fn fit_plane(
+    samples: &[(f64, f64, f64)],
+    intrinsics: &Intrinsics,
+    tolerance: f64,
+) -> Option<(Plane, f64)> {
+    if samples.len() < 12 {
+        return None;
+    }
+    let mut plane: Option<Plane> = None;
+    let mut rms = 0.0;
+    for _ in 0..3 {
+        let mut normal = Matrix3::zeros();
+        let mut right = Vector::zeros();
+        let mut squares = 0.0;
+        let mut count = 0.0;
+        for &(u, v, z) in samples {
+            let ray = intrinsics.ray(u, v);
+            if let Some(plane) = plane {
+                let error = z - plane.depth(&ray);
+                if error.abs() > tolerance {
+                    continue;
+                }
+                squares += error * error;
+            }
+            count += 1.0;
+            normal += ray * ray.transpose();
+            right += ray / z;
+        }
+        if count < 12.0 {
+            return None;
+        }
+        rms = (squares / count).sqrt();
+        let coefficient = normal.cholesky()?.solve(&right);
+        if !coefficient.iter().all(|c| c.is_finite()) || coefficient.z <= 1e-6 {
+            return None;
+        }
+        plane = Some(Plane { coefficient });
+    }
+    plane.map(|plane| (plane, rms))
+}
+
+impl Plane {
+    /// Depth along Z where a ray (Z = 1) meets the plane.
+    pub fn depth(&self, ray: &Vector) -> f64 {
+        1.0 / self.coefficient.dot(ray)
+    }
+
+    /// Where a ray (Z = 1) meets the plane.
+    pub fn meet(&self, ray: &Vector) -> Point {
+        Point::from(ray * self.depth(ray))
+    }
+
+    /// Unit normal towards the camera.
+    pub fn normal(&self) -> Vector {
+        -self.coefficient.normalize()
+    }
+}
+
+/// Axes on a plane: `x`, `y` lie in it, `z` points towards the camera.
+#[derive(Debug, Clone, Copy)]
+pub struct PlaneFrame {
+    pub plane: Plane,
+    pub origin: Point,
+    pub x: Vector,
+    pub y: Vector,
+}
+
+impl PlaneFrame {
+    /// Origin where the ray meets the plane, X as close as can be to the camera's X.
+    pub fn new(plane: Plane, ray: &Vector) -> Self {
+        let z = plane.normal();
+        let x = (Vector::x() - z * z.x).normalize();
+        Self {
+            plane,
+            origin: plane.meet(ray),
+            x,
+            y: z.cross(&x),
+        }
+    }
+
+    /// Turned by `yaw` about the normal.
+    pub fn turned(&self, yaw: f64) -> Self {
+        let (s, c) = yaw.sin_cos();
+        Self {
+            x: self.x * c + self.y * s,
+            y: self.y * c - self.x * s,
+            ..*self
+        }
+    }
+
+    /// The same origin and X direction, carried along the viewing ray onto another plane.
+    pub fn on_plane(&self, plane: Plane) -> Self {
+        let origin = plane.meet(&(self.origin.coords / self.origin.z));
+        let z = plane.normal();
+        let x = (self.x - z * z.dot(&self.x)).normalize();
+        Self {
+            plane,
+            origin,
+            x,
+            y: z.cross(&x),
+        }
+    }
+
+    /// Coordinates of a pixel's ray on the plane, metres.
+    pub fn of_pixel(&self, intrinsics: &Intrinsics, u: f64, v: f64) -> (f64, f64) {
+        let offset = self.plane.meet(&intrinsics.ray(u, v)) - self.origin;
+        (offset.dot(&self.x), offset.dot(&self.y))
+    }
+
+    /// The point at plane coordinates.
+    pub fn point(&self, x: f64, y: f64) -> Point {
+        self.origin + self.x * x + self.y * y
+    }
+}

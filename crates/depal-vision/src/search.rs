@@ -1,0 +1,260 @@
+//! Stage 7: rectangles of the known sizes whose sides show edges, by exhaustive search.
+
+use depal_frames::BoxSize;
+
+use crate::patch::Patch;
+
+/// A side counts as seen from this share of edge on. Lone holes and noise give 0.02 anywhere; a
+/// 1 mm gap seen with 2 mm pixels, along which both camera and projector look, gives 0.2.
+pub const SEEN: f64 = 0.15;
+/// Within a carton this share is a seam: more careful than for its sides.
+const SEAM: f64 = 0.1;
+
+/// A rectangle of cells with a known size.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate {
+    pub label: u32,
+    /// True when the long side lies along the patch's Y.
+    pub turned: bool,
+    /// First column and row.
+    pub first: [usize; 2],
+    /// Columns and rows.
+    pub cells: [usize; 2],
+    /// Edge shares: -X, +X, -Y, +Y.
+    pub sides: [f64; 4],
+    pub score: f64,
+}
+
+impl Candidate {
+    /// Middle in plane coordinates of the patch's frame.
+    pub fn centre(&self, patch: &Patch) -> (f64, f64) {
+        (
+            patch.left + (self.first[0] as f64 + self.cells[0] as f64 / 2.0) * patch.pitch,
+            patch.bottom + (self.first[1] as f64 + self.cells[1] as f64 / 2.0) * patch.pitch,
+        )
+    }
+
+    /// Share of this rectangle that also belongs to the other one.
+    pub fn overlap(&self, other: &Self) -> f64 {
+        let common = |k: usize| {
+            let high = (self.first[k] + self.cells[k]).min(other.first[k] + other.cells[k]);
+            high.saturating_sub(self.first[k].max(other.first[k])) as f64
+        };
+        common(0) * common(1) / (self.cells[0] * self.cells[1]) as f64
+    }
+}
+
+/// Sides of a size along the patch's axes, metres.
+pub fn extents(size: &BoxSize, turned: bool) -> [f64; 2] {
+    if turned {
+        [size.width, size.length]
+    } else {
+        [size.length, size.width]
+    }
+}
+
+/// Measures one placement; `None` when it is not a whole surface.
+pub fn measure(
+    patch: &Patch,
+    label: u32,
+    turned: bool,
+    first: [usize; 2],
+    cells: [usize; 2],
+    min_visible: f64,
+) -> Option<Candidate> {
+    let [i0, j0] = first;
+    let [a, b] = cells;
+    let (i1, j1) = (i0 + a, j0 + b);
+    if i1 > patch.columns || j1 > patch.rows {
+        return None;
+    }
+    let (si0, si1) = (i0 + a / 20, i1 - a / 20);
+    let (sj0, sj1) = (j0 + b / 20, j1 - b / 20);
+    let sides = [
+        patch.vertical_edge(i0 as isize - 1, sj0, sj1),
+        patch.vertical_edge(i1 as isize, sj0, sj1),
+        patch.horizontal_edge(j0 as isize - 1, si0, si1),
+        patch.horizontal_edge(j1 as isize, si0, si1),
+    ];
+    let (left, right) = (i0 as isize + 3, i1 as isize - 3);
+    let (low, high) = (j0 as isize + 3, j1 as isize - 3);
+    let (on, deep) = patch.shares(left, low, right, high);
+    if on < min_visible || deep > 0.01 {
+        return None;
+    }
+    // Just inside each side there must be surface: this pins the rectangle to the outline.
+    let inner = [
+        patch.shares(left, low, left + 2, high).0,
+        patch.shares(right - 2, low, right, high).0,
+        patch.shares(left, low, right, low + 2).0,
+        patch.shares(left, high - 2, right, high).0,
+    ];
+    let score = sides.iter().zip(inner).map(|(e, s)| e * s).sum::<f64>() + 0.1 * on;
+    Some(Candidate {
+        label,
+        turned,
+        first,
+        cells,
+        sides,
+        score,
+    })
+}
+
+/// True when a line of edge runs through the inside with surface on both sides of it: a seam
+/// between two cartons. A wide stripe without measurement (tape) is none.
+pub fn has_seam(patch: &Patch, candidate: &Candidate) -> bool {
+    const MARGIN: usize = 8;
+    const BESIDE: isize = 5;
+    let [i0, j0] = candidate.first;
+    let (i1, j1) = (i0 + candidate.cells[0], j0 + candidate.cells[1]);
+    let (si0, si1) = (i0 + 4, i1 - 4);
+    let (sj0, sj1) = (j0 + 4, j1 - 4);
+    let across = (i0 + MARGIN..i1 - MARGIN.min(i1)).any(|i| {
+        let k = i as isize;
+        patch.vertical_edge(k, sj0, sj1) > SEAM
+            && patch
+                .shares(k - BESIDE - 3, sj0 as isize, k - BESIDE, sj1 as isize)
+                .0
+                > 0.8
+            && patch
+                .shares(k + BESIDE, sj0 as isize, k + BESIDE + 3, sj1 as isize)
+                .0
+                > 0.8
+    });
+    let along = (j0 + MARGIN..j1 - MARGIN.min(j1)).any(|j| {
+        let k = j as isize;
+        patch.horizontal_edge(k, si0, si1) > SEAM
+            && patch
+                .shares(si0 as isize, k - BESIDE - 3, si1 as isize, k - BESIDE)
+                .0
+                > 0.8
+            && patch
+                .shares(si0 as isize, k + BESIDE, si1 as isize, k + BESIDE + 3)
+                .0
+                > 0.8
+    });
+    across || along
+}
+
+/// True when the surface does not simply go on beyond side `k` (-X, +X, -Y, +Y): something hides it.
+pub fn is_hidden(patch: &Patch, candidate: &Candidate, side: usize) -> bool {
+    const REACH: isize = 6;
+    let [i0, j0] = candidate.first.map(|v| v as isize);
+    let (i1, j1) = (
+        i0 + candidate.cells[0] as isize,
+        j0 + candidate.cells[1] as isize,
+    );
+    let on = match side {
+        0 => patch.shares(i0 - REACH, j0, i0, j1),
+        1 => patch.shares(i1, j0, i1 + REACH, j1),
+        2 => patch.shares(i0, j0 - REACH, i1, j0),
+        _ => patch.shares(i0, j1, i1, j1 + REACH),
+    };
+    on.0 < 0.3
+}
+
+/// Candidates with at least three seen sides, none overlapping a better one, best first.
+pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candidate> {
+    const STRIDE: usize = 2;
+    const MOST: usize = 20_000;
+    let mut found: Vec<Candidate> = Vec::new();
+    for (label, size) in sizes.iter().enumerate() {
+        for turned in [false, true] {
+            if turned && size.length - size.width < patch.pitch {
+                continue;
+            }
+            let cells = extents(size, turned).map(|side| (side / patch.pitch).round() as usize);
+            if cells.iter().any(|&n| n < 24) || cells[0] > patch.columns || cells[1] > patch.rows {
+                continue;
+            }
+            for j in (0..=patch.rows - cells[1]).step_by(STRIDE) {
+                let (sj0, sj1) = (j + cells[1] / 20, j + cells[1] - cells[1] / 20);
+                for i in (0..=patch.columns - cells[0]).step_by(STRIDE) {
+                    let left = patch.vertical_edge(i as isize - 1, sj0, sj1);
+                    let right = patch.vertical_edge((i + cells[0]) as isize, sj0, sj1);
+                    // Three seen sides need at least one here; both are looked at once more below.
+                    if left.max(right) < SEEN * 0.75 {
+                        continue;
+                    }
+                    if let Some(candidate) =
+                        measure(patch, label as u32, turned, [i, j], cells, min_visible)
+                        && candidate
+                            .sides
+                            .iter()
+                            .filter(|&&s| s >= SEEN * 0.75)
+                            .count()
+                            >= 3
+                    {
+                        found.push(candidate);
+                    }
+                }
+            }
+        }
+    }
+    found.sort_by(|a, b| {
+        b.score
+            .total_cmp(&a.score)
+            .then(a.first.cmp(&b.first))
+            .then(a.label.cmp(&b.label))
+    });
+    found.truncate(MOST);
+    let mut kept: Vec<Candidate> = Vec::new();
+    let mut failed: Vec<Candidate> = Vec::new();
+    for candidate in found {
+        let same = |other: &Candidate| {
+            other.label == candidate.label
+                && other.turned == candidate.turned
+                && (0..2).all(|k| other.first[k].abs_diff(candidate.first[k]) <= 3)
+        };
+        if kept
+            .iter()
+            .any(|k| k.overlap(&candidate) > 0.08 || candidate.overlap(k) > 0.08)
+            || failed.iter().any(same)
+        {
+            continue;
+        }
+        let raw = candidate;
+        let candidate = climb(patch, candidate, min_visible);
+        let seen = candidate.sides.iter().filter(|&&s| s >= SEEN).count();
+        let whole = seen == 4
+            || (seen == 3
+                && (0..4).all(|k| candidate.sides[k] >= SEEN || is_hidden(patch, &candidate, k)));
+        if whole && !has_seam(patch, &candidate) {
+            kept.push(candidate);
+        } else {
+            failed.push(raw);
+        }
+    }
+    kept
+}
+
+/// Moves a candidate cell by cell while the score rises.
+pub fn climb(patch: &Patch, mut candidate: Candidate, min_visible: f64) -> Candidate {
+    for _ in 0..8 {
+        let mut better = candidate;
+        for (di, dj) in [(-1isize, 0isize), (1, 0), (0, -1), (0, 1)] {
+            let (Some(i), Some(j)) = (
+                candidate.first[0].checked_add_signed(di),
+                candidate.first[1].checked_add_signed(dj),
+            ) else {
+                continue;
+            };
+            if let Some(moved) = measure(
+                patch,
+                candidate.label,
+                candidate.turned,
+                [i, j],
+                candidate.cells,
+                min_visible,
+            ) && moved.score > better.score
+            {
+                better = moved;
+            }
+        }
+        if better.score <= candidate.score {
+            break;
+        }
+        candidate = better;
+    }
+    candidate
+}

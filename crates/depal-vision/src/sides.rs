@@ -1,0 +1,204 @@
+//! Stage 8: the exact rectangle, from where scan lines across each side leave the surface.
+
+use depal_frames::Intrinsics;
+
+use crate::{
+    gate::DepthImage,
+    patch::{Class, pixel_pitch},
+    plane::PlaneFrame,
+};
+
+/// Where a scan line across a side left the surface.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    /// Position along the side, metres from its middle.
+    along: f64,
+    /// Beyond (+) or short of (-) the expected side, metres.
+    beyond: f64,
+}
+
+/// What was measured at one side.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SideFit {
+    /// Share 0..1 of the scan lines that found an edge close to the fitted line.
+    pub seen: f64,
+    /// Mean of (edge - expected) along the outward direction at the middle of the side, metres.
+    pub offset: f64,
+}
+
+/// A rectangle in a plane, moved onto the edges of the image.
+#[derive(Debug, Clone, Copy)]
+pub struct RectangleFit {
+    /// Origin in the middle, X along `extents[0]`.
+    pub frame: PlaneFrame,
+    /// -X, +X, -Y, +Y, measured from the final frame.
+    pub sides: [SideFit; 4],
+}
+
+/// Outward axis of each side as (axis, sign).
+const OUTWARD: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
+
+/// How far an edge seen by pixels lies inside the real one, in pixels: of the outermost surface
+/// pixels a third is lost or mixed at a step, which moves the crossing by one pixel each.
+pub const INSET_PIXELS: f64 = 0.4;
+
+/// Fits centre and turn of a rectangle with known `extents`. Only sides seen on at least
+/// `least_seen` of their length take part; with none along an axis the middle stays there.
+pub fn fit_rectangle(
+    image: &DepthImage,
+    start: PlaneFrame,
+    extents: [f64; 2],
+    tolerance: f64,
+    least_seen: f64,
+) -> RectangleFit {
+    let pitch = pixel_pitch(&start, &image.intrinsics);
+    let inset = INSET_PIXELS * pitch;
+    let mut frame = start;
+    let mut sides = [SideFit::default(); 4];
+    // Wide and sparse first, then narrow and dense.
+    for (reach, stride) in [(6.0, 3.0), (4.0, 2.0), (4.0, 1.0), (3.5, 1.0)] {
+        let lines = OUTWARD.map(|(axis, sign)| {
+            scan(
+                image,
+                &frame,
+                extents,
+                axis,
+                sign,
+                reach * pitch + 0.001,
+                stride * pitch,
+                tolerance,
+            )
+        });
+        let (turn, fitted) = fit_lines(&lines, pitch, least_seen);
+        sides = fitted;
+        frame = frame.turned(turn);
+        for axis in 0..2 {
+            let (low, high) = (sides[2 * axis], sides[2 * axis + 1]);
+            let shift = match (low.seen >= least_seen, high.seen >= least_seen) {
+                (true, true) => (high.offset - low.offset) / 2.0,
+                (true, false) => -(low.offset + inset),
+                (false, true) => high.offset + inset,
+                (false, false) => 0.0,
+            };
+            let shift = shift.clamp(-reach * pitch, reach * pitch);
+            let direction = if axis == 0 { frame.x } else { frame.y };
+            frame.origin += direction * shift;
+            sides[2 * axis].offset += shift;
+            sides[2 * axis + 1].offset -= shift;
+        }
+    }
+    RectangleFit { frame, sides }
+}
+
+struct ScanLines {
+    crossings: Vec<Crossing>,
+    lines: usize,
+}
+
+fn scan(
+    image: &DepthImage,
+    frame: &PlaneFrame,
+    extents: [f64; 2],
+    axis: usize,
+    sign: f64,
+    reach: f64,
+    stride: f64,
+    tolerance: f64,
+) -> ScanLines {
+    let k: &Intrinsics = &image.intrinsics;
+    let pitch = pixel_pitch(frame, k);
+    let (outward, tangent) = if axis == 0 {
+        (frame.x * sign, frame.y * sign)
+    } else {
+        (frame.y * sign, frame.x * -sign)
+    };
+    let (half, length) = (extents[axis] / 2.0, extents[1 - axis] * 0.94);
+    let lines = (length / stride).floor().max(1.0) as usize;
+    let steps = (2.0 * reach / (0.5 * pitch)).ceil() as usize;
+    let mut crossings = Vec::with_capacity(lines);
+    for line in 0..lines {
+        let along = (line as f64 + 0.5) / lines as f64 * length - length / 2.0;
+        let base = frame.origin + tangent * along;
+        let mut last: Option<(f64, f64)> = None;
+        for step in 0..=steps {
+            let p = base + outward * (half - reach + step as f64 * 0.5 * pitch);
+            let (u, v) = k.project(&p);
+            let pixel = ((u + 0.5).floor(), (v + 0.5).floor());
+            if last == Some(pixel) {
+                continue;
+            }
+            match image.class(u, v, p.z, tolerance) {
+                Class::On => last = Some(pixel),
+                Class::Near | Class::Outside => break,
+                Class::Deep | Class::Hole => {
+                    if let Some(inner) = last {
+                        // Half way between the centres of the last surface pixel and this one.
+                        let middle = ((inner.0 + pixel.0) / 2.0, (inner.1 + pixel.1) / 2.0);
+                        let at = frame.plane.meet(&k.ray(middle.0, middle.1)) - frame.origin;
+                        crossings.push(Crossing {
+                            along: at.dot(&tangent),
+                            beyond: at.dot(&outward) - half,
+                        });
+                    }
+                    break;
+                }
+            }
+        }
+    }
+    ScanLines { crossings, lines }
+}
+
+/// One turn for all sides (they stay orthogonal) and an offset for each, by reweighted least
+/// squares. With the tangent a quarter turn left of the outward axis, a turn by `a` moves a point
+/// at `along` outwards by `-a along`.
+fn fit_lines(sides: &[ScanLines; 4], pitch: f64, least_seen: f64) -> (f64, [SideFit; 4]) {
+    let mut offsets = [0.0; 4];
+    for (offset, side) in offsets.iter_mut().zip(sides) {
+        let mut beyond: Vec<f64> = side.crossings.iter().map(|c| c.beyond).collect();
+        if !beyond.is_empty() {
+            let middle = beyond.len() / 2;
+            *offset = *beyond.select_nth_unstable_by(middle, f64::total_cmp).1;
+        }
+    }
+    let mut turn = 0.0;
+    let mut seen = [0.0; 4];
+    for width in [3.0, 2.0, 1.2, 1.0, 1.0] {
+        let scale = 1.0 / (width * pitch).powi(2);
+        let (mut top, mut bottom) = (0.0, 1e-12);
+        let mut means = [(0.0, 0.0); 4];
+        for (k, side) in sides.iter().enumerate() {
+            let (mut w, mut wt, mut wd, mut wtt, mut wtd, mut close) =
+                (0.0, 0.0, 0.0, 0.0, 0.0, 0usize);
+            for c in &side.crossings {
+                let error = c.beyond - offsets[k] + turn * c.along;
+                let q = error * error * scale;
+                let weight = 1.0 / ((1.0 + q) * (1.0 + q));
+                close += usize::from(q < 2.25);
+                w += weight;
+                wt += weight * c.along;
+                wd += weight * c.beyond;
+                wtt += weight * c.along * c.along;
+                wtd += weight * c.along * c.beyond;
+            }
+            seen[k] = close as f64 / side.lines as f64;
+            if w < 1.0 {
+                continue;
+            }
+            let (mean_t, mean_d) = (wt / w, wd / w);
+            means[k] = (mean_t, mean_d);
+            if seen[k] >= least_seen {
+                top += wtd - w * mean_t * mean_d;
+                bottom += wtt - w * mean_t * mean_t;
+            }
+        }
+        turn = -(top / bottom).clamp(-0.05, 0.05);
+        for k in 0..4 {
+            offsets[k] = means[k].1 + turn * means[k].0;
+        }
+    }
+    let fits = [0, 1, 2, 3].map(|k| SideFit {
+        seen: seen[k],
+        offset: offsets[k],
+    });
+    (turn, fits)
+}

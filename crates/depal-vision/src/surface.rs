@@ -1,0 +1,341 @@
+//! One flat surface: its plane, its direction, and the cartons on it.
+
+use crate::{
+    DetectedBox, RejectReason, RejectedSurface, VisionSettings,
+    arrange::{arrange, touches},
+    components::Component,
+    gate::DepthImage,
+    orientation::{main_direction, outline},
+    patch::{Patch, pixel_pitch},
+    plane::{PlaneFrame, fit_plane},
+    search::{Candidate, extents, search},
+    sides::fit_rectangle,
+    verify::{LEAST_SEEN, Proof, verify},
+};
+
+/// A piece of the step mask that lies on a plane roughly facing the camera.
+pub struct Surface {
+    pub component: Component,
+    /// Origin near its middle, X along the camera's X.
+    pub frame: PlaneFrame,
+    /// Square metres of its mask, which ends two pixels inside the real border.
+    pub area: f64,
+    /// All of it belongs to found boxes.
+    pub solved: bool,
+}
+
+impl Surface {
+    /// `Err(None)`: too small to be the visible rest of a carton.
+    pub fn new(
+        component: Component,
+        depth: &[f32],
+        image: &DepthImage,
+        settings: &VisionSettings,
+        smallest: f64,
+    ) -> Result<Self, Option<RejectedSurface>> {
+        const LEAST_PART: f64 = 0.25;
+        let k = &image.intrinsics;
+        let stride = (component.pixels / 4000).max(1);
+        let mut samples = Vec::with_capacity(4200);
+        let mut skip = stride / 2;
+        for run in &component.runs {
+            let length = run.last - run.first + 1;
+            while skip < length {
+                let u = run.first + skip;
+                let z = depth[run.row * image.width + u];
+                samples.push((u as f64, run.row as f64, f64::from(z)));
+                skip += stride;
+            }
+            skip -= length;
+        }
+        let n = samples.len().max(1) as f64;
+        let (u, v, z) = samples.iter().fold((0.0, 0.0, 0.0), |s, p| {
+            (s.0 + p.0 / n, s.1 + p.1 / n, s.2 + p.2 / n)
+        });
+        let area = component.pixels as f64 * (z / k.fx) * (z / k.fy);
+        if area < LEAST_PART * smallest || samples.len() < 50 {
+            return Err(None);
+        }
+        let centre_in_camera = k.deproject(u, v, z);
+        let reject = |reason| {
+            Some(RejectedSurface {
+                reason,
+                centre_in_camera,
+                area,
+            })
+        };
+        // Loose at first: several cartons of slightly different heights may hang together.
+        let (plane, rms) = fit_plane(&samples, k, 3.0 * settings.plane_tolerance)
+            .ok_or_else(|| reject(RejectReason::NotFlat))?;
+        if rms > settings.plane_tolerance {
+            return Err(reject(RejectReason::NotFlat));
+        }
+        if (-plane.normal().z).clamp(-1.0, 1.0).acos() > settings.max_tilt {
+            return Err(reject(RejectReason::Tilted));
+        }
+        let frame = PlaneFrame::new(plane, &k.ray(u, v));
+        Ok(Self {
+            component,
+            frame,
+            area,
+            solved: false,
+        })
+    }
+
+    fn rejected(&self, reason: RejectReason) -> RejectedSurface {
+        RejectedSurface {
+            reason,
+            centre_in_camera: self.frame.origin,
+            area: self.area,
+        }
+    }
+
+    /// Resampled along its main direction.
+    fn patch(
+        &self,
+        mask: &[u8],
+        image: &DepthImage,
+        settings: &VisionSettings,
+    ) -> Result<Patch, RejectedSurface> {
+        const MARGIN: f64 = 0.030;
+        let pitch = pixel_pitch(&self.frame, &image.intrinsics);
+        let border = outline(&self.component, mask, image, &self.frame);
+        let yaw = main_direction(&border, 2.0 * pitch);
+        let (s, c) = yaw.sin_cos();
+        let (mut x, mut y) = ([f64::MAX, f64::MIN], [f64::MAX, f64::MIN]);
+        for &(px, py) in &border {
+            let (along, across) = (px * c + py * s, py * c - px * s);
+            x = [x[0].min(along), x[1].max(along)];
+            y = [y[0].min(across), y[1].max(across)];
+        }
+        if (x[1] - x[0]).max(y[1] - y[0]) > settings.max_surface_side {
+            return Err(self.rejected(RejectReason::Background));
+        }
+        let x = [x[0] - MARGIN, x[1] + MARGIN];
+        let y = [y[0] - MARGIN, y[1] + MARGIN];
+        Ok(Patch::new(
+            image,
+            self.frame.turned(yaw),
+            x,
+            y,
+            pitch,
+            settings.plane_tolerance,
+        ))
+    }
+
+    /// Boxes whose outline can be seen; `Err` when this is background.
+    pub fn search(
+        &self,
+        mask: &[u8],
+        image: &DepthImage,
+        settings: &VisionSettings,
+    ) -> Result<Vec<DetectedBox>, RejectedSurface> {
+        let patch = self.patch(mask, image, settings)?;
+        Ok(outlined(&patch, image, settings, &mut Vec::new()).1)
+    }
+
+    /// Boxes whose outline can be seen, and those that follow from covering the rest.
+    pub fn cover(
+        &self,
+        mask: &[u8],
+        image: &DepthImage,
+        settings: &VisionSettings,
+        rejected: &mut Vec<RejectedSurface>,
+    ) -> Vec<DetectedBox> {
+        let patch = match self.patch(mask, image, settings) {
+            Ok(patch) => patch,
+            Err(background) => {
+                rejected.push(background);
+                return Vec::new();
+            }
+        };
+        let (fixed, mut boxes) = outlined(&patch, image, settings, rejected);
+        let Some(arrangement) = arrange(&patch, &settings.sizes, &fixed) else {
+            if boxes.is_empty() {
+                rejected.push(self.rejected(RejectReason::NoKnownSize));
+            }
+            return boxes;
+        };
+        if arrangement.ambiguous {
+            rejected.push(self.rejected(RejectReason::Ambiguous));
+        }
+        for (candidate, start) in settle(image, settings, &patch, &arrangement.boxes, &fixed) {
+            match verify(
+                image,
+                settings,
+                start,
+                candidate.label,
+                candidate.turned,
+                Proof::Arrangement,
+            ) {
+                Ok(found) => boxes.push(found),
+                Err(reason) => rejected.push(RejectedSurface {
+                    reason,
+                    centre_in_camera: start.origin,
+                    area: self.area,
+                }),
+            }
+        }
+        boxes
+    }
+}
+
+/// Groups (indices, ascending) of surfaces that lie side by side on one plane.
+pub fn neighbours(surfaces: &[Surface], settings: &VisionSettings) -> Vec<Vec<usize>> {
+    const REACH: usize = 16;
+    let bounds: Vec<[usize; 4]> = surfaces
+        .iter()
+        .map(|s| {
+            s.component
+                .runs
+                .iter()
+                .fold([usize::MAX, 0, usize::MAX, 0], |b, r| {
+                    [
+                        b[0].min(r.first),
+                        b[1].max(r.last),
+                        b[2].min(r.row),
+                        b[3].max(r.row),
+                    ]
+                })
+        })
+        .collect();
+    let beside = |a: usize, b: usize| {
+        let (p, q) = (bounds[a], bounds[b]);
+        let close = p[0] <= q[1] + REACH
+            && q[0] <= p[1] + REACH
+            && p[2] <= q[3] + REACH
+            && q[2] <= p[3] + REACH;
+        let level = |a: &Surface, b: &Surface| {
+            let ray = b.frame.origin.coords / b.frame.origin.z;
+            (a.frame.plane.depth(&ray) - b.frame.origin.z).abs() < settings.plane_tolerance
+        };
+        close && level(&surfaces[a], &surfaces[b]) && level(&surfaces[b], &surfaces[a])
+    };
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let mut taken = vec![false; surfaces.len()];
+    for seed in 0..surfaces.len() {
+        if taken[seed] {
+            continue;
+        }
+        taken[seed] = true;
+        let mut group = vec![seed];
+        let mut next = 0;
+        while next < group.len() {
+            for other in 0..surfaces.len() {
+                if !taken[other] && beside(group[next], other) {
+                    taken[other] = true;
+                    group.push(other);
+                }
+            }
+            next += 1;
+        }
+        group.sort_unstable();
+        groups.push(group);
+    }
+    groups
+}
+
+/// Searches a patch and verifies what it finds.
+fn outlined(
+    patch: &Patch,
+    image: &DepthImage,
+    settings: &VisionSettings,
+    rejected: &mut Vec<RejectedSurface>,
+) -> (Vec<Candidate>, Vec<DetectedBox>) {
+    let (mut fixed, mut boxes) = (Vec::new(), Vec::new());
+    for candidate in search(patch, &settings.sizes, settings.min_visible) {
+        let start = start_frame(patch, &candidate);
+        match verify(
+            image,
+            settings,
+            start,
+            candidate.label,
+            candidate.turned,
+            Proof::Outline,
+        ) {
+            Ok(found) => {
+                boxes.push(found);
+                fixed.push(candidate);
+            }
+            Err(reason) => {
+                let size = settings.sizes[candidate.label as usize];
+                rejected.push(RejectedSurface {
+                    reason,
+                    centre_in_camera: start.origin,
+                    area: size.length * size.width,
+                });
+            }
+        }
+    }
+    (fixed, boxes)
+}
+
+/// Where an arranged box starts its exact fit: along an axis with a seen side from that side, else
+/// midway between its neighbours, which share the slack of the row equally.
+fn settle(
+    image: &DepthImage,
+    settings: &VisionSettings,
+    patch: &Patch,
+    arranged: &[Candidate],
+    fixed: &[Candidate],
+) -> Vec<(Candidate, PlaneFrame)> {
+    const ROUNDS: usize = 60;
+    let all: Vec<Candidate> = arranged.iter().chain(fixed).copied().collect();
+    let half =
+        |c: &Candidate| extents(&settings.sizes[c.label as usize], c.turned).map(|e| e / 2.0);
+    let mut centres = Vec::new();
+    let mut held = Vec::new();
+    for candidate in &all {
+        let start = start_frame(patch, candidate);
+        let sides = half(candidate).map(|h| 2.0 * h);
+        let fit = fit_rectangle(image, start, sides, settings.plane_tolerance, LEAST_SEEN);
+        let offset = fit.frame.origin - patch.frame.origin;
+        centres.push([offset.dot(&patch.frame.x), offset.dot(&patch.frame.y)]);
+        held.push([0, 1].map(|axis: usize| {
+            fit.sides[2 * axis].seen >= LEAST_SEEN || fit.sides[2 * axis + 1].seen >= LEAST_SEEN
+        }));
+    }
+    for _ in 0..ROUNDS {
+        for b in 0..all.len() {
+            for axis in 0..2 {
+                if held[b][axis] {
+                    continue;
+                }
+                let (mut sum, mut count) = (0.0, 0.0);
+                for (o, other) in all.iter().enumerate() {
+                    for (side, sign) in [(2 * axis, 1.0), (2 * axis + 1, -1.0)] {
+                        if o != b && touches(&all[b], other, side, patch.pitch) {
+                            sum +=
+                                centres[o][axis] + sign * (half(other)[axis] + half(&all[b])[axis]);
+                            count += 1.0;
+                        }
+                    }
+                }
+                if count > 0.0 {
+                    centres[b][axis] = sum / count;
+                }
+            }
+        }
+    }
+    arranged
+        .iter()
+        .zip(centres)
+        .map(|(candidate, [x, y])| {
+            (
+                *candidate,
+                PlaneFrame {
+                    origin: patch.frame.point(x, y),
+                    ..patch.frame
+                },
+            )
+        })
+        .collect()
+}
+
+fn start_frame(patch: &Patch, candidate: &Candidate) -> PlaneFrame {
+    let (x, y) = candidate.centre(patch);
+    PlaneFrame {
+        origin: patch.frame.point(x, y),
+        ..patch.frame
+    }
+}

@@ -1,0 +1,191 @@
+//! Stage 9: from a candidate rectangle to a reported carton, or the reason why not.
+
+use depal_frames::{BoxSize, Point, Pose, Rotation};
+use nalgebra::{Matrix3, Rotation3, Translation3};
+
+use crate::{
+    DetectedBox, RejectReason, VisionSettings,
+    gate::DepthImage,
+    patch::{Class, pixel_pitch},
+    plane::{PlaneFrame, fit_plane},
+    sides::{INSET_PIXELS, RectangleFit, fit_rectangle},
+};
+
+/// Least share of scan lines with an edge for a side to count as seen.
+pub const LEAST_SEEN: f64 = 0.15;
+
+/// What is demanded of the outline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Proof {
+    /// Three or four seen sides.
+    Outline,
+    /// Unseen sides follow from a unique arrangement of the whole surface.
+    Arrangement,
+}
+
+/// Fits and checks a rectangle that starts as `start` (origin in the middle, X along
+/// `extents[0]`) on a surface.
+pub fn verify(
+    image: &DepthImage,
+    settings: &VisionSettings,
+    start: PlaneFrame,
+    label: u32,
+    turned: bool,
+    proof: Proof,
+) -> Result<DetectedBox, RejectReason> {
+    let size = settings.sizes[label as usize];
+    let extents = crate::search::extents(&size, turned);
+    let tolerance = settings.plane_tolerance;
+    let pitch = pixel_pitch(&start, &image.intrinsics);
+
+    let seen = look(image, &start, extents, tolerance, 0.010);
+    let (plane, rms) =
+        fit_plane(&seen.surface, &image.intrinsics, tolerance).ok_or(RejectReason::NotFlat)?;
+    if rms > 0.6 * tolerance {
+        return Err(RejectReason::NotFlat);
+    }
+    let frame = start.on_plane(plane);
+    let fit = fit_rectangle(image, frame, extents, tolerance, LEAST_SEEN);
+
+    let proven = fit.sides.iter().filter(|s| s.seen >= LEAST_SEEN).count();
+    let needed = if proof == Proof::Outline { 3 } else { 1 };
+    if proven < needed {
+        return Err(RejectReason::NoKnownSize);
+    }
+    let mut misfit = 0.0f64;
+    for axis in 0..2 {
+        let (low, high) = (fit.sides[2 * axis], fit.sides[2 * axis + 1]);
+        if low.seen >= LEAST_SEEN && high.seen >= LEAST_SEEN {
+            let error = low.offset + high.offset + 2.0 * INSET_PIXELS * pitch;
+            misfit = misfit.max(error.abs());
+        }
+    }
+    let allowed = settings.size_tolerance + pitch;
+    if misfit > allowed {
+        return Err(RejectReason::NoKnownSize);
+    }
+
+    let seen = look(image, &fit.frame, extents, tolerance, 0.006);
+    if seen.share(Class::Deep) > 0.01 || seen.share(Class::On) < settings.min_visible {
+        return Err(RejectReason::NoKnownSize);
+    }
+    if is_covered(image, &fit.frame, extents, tolerance) {
+        return Err(RejectReason::Covered);
+    }
+    let tilt = (-fit
+        .frame
+        .plane
+        .normal()
+        .dot(&fit.frame.origin.coords.normalize()))
+    .clamp(-1.0, 1.0)
+    .acos();
+    // Against the camera's axis, not the viewing ray: a level carton at the rim is not tilted.
+    let axis_tilt = (-fit.frame.plane.normal().z).clamp(-1.0, 1.0).acos();
+    if axis_tilt.min(tilt) > settings.max_tilt {
+        return Err(RejectReason::Tilted);
+    }
+    let mean_seen = fit.sides.iter().map(|s| s.seen.min(1.0)).sum::<f64>() / 4.0;
+    let visible_fraction = seen.share(Class::On);
+    let confidence =
+        (0.4 + 0.6 * mean_seen) * (1.0 - 0.5 * misfit / allowed) * visible_fraction.sqrt();
+    Ok(DetectedBox {
+        camera_from_box: pose(&fit, turned),
+        size: BoxSize { ..size },
+        label,
+        confidence: confidence.clamp(0.0, 1.0),
+        visible_fraction,
+        proven_sides: proven as u32,
+    })
+}
+
+/// Pose with X along the long side, of its two directions the one towards positive camera X.
+fn pose(fit: &RectangleFit, turned: bool) -> Pose {
+    let z = fit.frame.plane.normal();
+    let along = if turned { fit.frame.y } else { fit.frame.x };
+    let along = if along.x > 1e-12 || (along.x.abs() <= 1e-12 && along.y > 0.0) {
+        along
+    } else {
+        -along
+    };
+    let x = (along - z * z.dot(&along)).normalize();
+    let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
+    Pose::from_parts(
+        Translation3::from(fit.frame.origin.coords),
+        Rotation::from_rotation_matrix(&rotation),
+    )
+}
+
+struct Look {
+    /// (u, v, z) of the surface pixels.
+    surface: Vec<(f64, f64, f64)>,
+    counts: [usize; 5],
+}
+
+impl Look {
+    fn share(&self, class: Class) -> f64 {
+        self.counts[class as usize] as f64 / self.counts.iter().sum::<usize>().max(1) as f64
+    }
+}
+
+/// Samples the inside of a rectangle, `margin` metres away from its sides.
+fn look(
+    image: &DepthImage,
+    frame: &PlaneFrame,
+    extents: [f64; 2],
+    tolerance: f64,
+    margin: f64,
+) -> Look {
+    let k = &image.intrinsics;
+    let spacing = (3.0 * pixel_pitch(frame, k)).max(1e-4);
+    let [nx, ny] = extents.map(|e| ((e - 2.0 * margin) / spacing).floor().max(1.0) as usize);
+    let mut result = Look {
+        surface: Vec::with_capacity(nx * ny),
+        counts: [0; 5],
+    };
+    for j in 0..ny {
+        let y = ((j as f64 + 0.5) / ny as f64 - 0.5) * (extents[1] - 2.0 * margin);
+        for i in 0..nx {
+            let x = ((i as f64 + 0.5) / nx as f64 - 0.5) * (extents[0] - 2.0 * margin);
+            let p = frame.point(x, y);
+            let (u, v) = k.project(&p);
+            let class = image.class(u, v, p.z, tolerance);
+            result.counts[class as usize] += 1;
+            if class == Class::On {
+                let (u, v) = ((u + 0.5).floor(), (v + 0.5).floor());
+                let z = f64::from(image.depth[v as usize * image.width + u as usize]);
+                result.surface.push((u, v, z));
+            }
+        }
+    }
+    result
+}
+
+/// True when points in front of the plane stand inside the rectangle once they are put down on it
+/// along the normal. A taller neighbour in the line of sight stands outside and only hides.
+fn is_covered(image: &DepthImage, frame: &PlaneFrame, extents: [f64; 2], tolerance: f64) -> bool {
+    const MARGIN: f64 = 0.010;
+    let k = &image.intrinsics;
+    let spacing = 2.0 * pixel_pitch(frame, k);
+    let [nx, ny] = extents.map(|e| (e / spacing).floor().max(1.0) as usize);
+    let mut over = 0;
+    for j in 0..ny {
+        let y = ((j as f64 + 0.5) / ny as f64 - 0.5) * extents[1];
+        for i in 0..nx {
+            let x = ((i as f64 + 0.5) / nx as f64 - 0.5) * extents[0];
+            let p = frame.point(x, y);
+            let (u, v) = k.project(&p);
+            if image.class(u, v, p.z, tolerance) != Class::Near {
+                continue;
+            }
+            let (u, v) = ((u + 0.5).floor(), (v + 0.5).floor());
+            let z = f64::from(image.depth[v as usize * image.width + u as usize]);
+            let from_middle: nalgebra::Vector3<f64> =
+                k.deproject(u, v, z) - Point::from(frame.origin.coords);
+            over += usize::from(
+                from_middle.dot(&frame.x).abs() < extents[0] / 2.0 - MARGIN
+                    && from_middle.dot(&frame.y).abs() < extents[1] / 2.0 - MARGIN,
+            );
+        }
+    }
+    over * 400 > nx * ny
+}

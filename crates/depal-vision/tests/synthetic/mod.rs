@@ -1,0 +1,391 @@
+//! A small depth camera of its own: rays against upright boxes, projector shadow, sensor noise.
+//! The scene lives in the camera frame (X right, Y down, Z forward); the camera looks straight
+//! down, so a "top" is the face with the smaller Z.
+#![allow(dead_code)]
+
+use depal_frames::{BoxSize, DepthFrame, Intrinsics, Pose};
+use depal_time::{RandomStream, RandomStreams};
+
+/// An upright box: middle of the top, yaw about Z, full sides, top and bottom depth.
+#[derive(Debug, Clone, Copy)]
+pub struct Solid {
+    pub x: f64,
+    pub y: f64,
+    pub yaw: f64,
+    pub length: f64,
+    pub width: f64,
+    pub top: f64,
+    pub bottom: f64,
+    /// True for a carton whose top should be found.
+    pub wanted: bool,
+}
+
+pub struct Scene {
+    pub solids: Vec<Solid>,
+    pub floor: f64,
+}
+
+pub const BASELINE: f64 = 0.3;
+
+pub fn camera() -> Intrinsics {
+    Intrinsics {
+        width: 1280,
+        height: 1024,
+        fx: 1600.0,
+        fy: 1600.0,
+        cx: 639.5,
+        cy: 511.5,
+    }
+}
+
+pub fn carton() -> BoxSize {
+    BoxSize::from_mm([400.0, 300.0, 250.0])
+}
+
+impl Solid {
+    pub fn block(x: f64, y: f64, length: f64, width: f64, top: f64, bottom: f64) -> Self {
+        Self {
+            x,
+            y,
+            yaw: 0.0,
+            length,
+            width,
+            top,
+            bottom,
+            wanted: false,
+        }
+    }
+
+    /// Depths where the line `origin + s direction` (per unit s) enters; None when it misses.
+    fn enter(&self, origin: [f64; 3], direction: [f64; 3]) -> Option<f64> {
+        let (s, c) = self.yaw.sin_cos();
+        let (ox, oy) = (origin[0] - self.x, origin[1] - self.y);
+        let o = [
+            ox * c + oy * s,
+            oy * c - ox * s,
+            origin[2] - (self.top + self.bottom) / 2.0,
+        ];
+        let d = [
+            direction[0] * c + direction[1] * s,
+            direction[1] * c - direction[0] * s,
+            direction[2],
+        ];
+        let half = [
+            self.length / 2.0,
+            self.width / 2.0,
+            (self.bottom - self.top) / 2.0,
+        ];
+        let (mut enter, mut leave) = (f64::MIN, f64::MAX);
+        for k in 0..3 {
+            let inverse = 1.0 / d[k];
+            let (a, b) = ((-half[k] - o[k]) * inverse, (half[k] - o[k]) * inverse);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        (enter < leave && enter > 0.0).then_some(enter)
+    }
+}
+
+fn unit(r: &mut RandomStream) -> f64 {
+    r.uniform(0.0, 1.0)
+}
+
+/// Near normal with unit deviation from one draw: four 16 bit uniforms.
+fn normal(r: &mut RandomStream) -> f64 {
+    let bits = r.next_u64();
+    let sum: u64 = (0..4).map(|k| (bits >> (16 * k)) & 0xffff).sum();
+    (sum as f64 / 65536.0 - 2.0) * 3f64.sqrt()
+}
+
+impl Scene {
+    /// Exact depths; pixels the projector does not reach are 0.
+    pub fn ideal(&self, k: &Intrinsics) -> Vec<f32> {
+        let mut depth = vec![self.floor; k.width * k.height];
+        for solid in &self.solids {
+            let radius = solid.length.hypot(solid.width) / 2.0;
+            let (mut u, mut v) = ([f64::MAX, f64::MIN], [f64::MAX, f64::MIN]);
+            for z in [solid.top, solid.bottom] {
+                for sign in [-1.0, 1.0] {
+                    let (pu, pv) = (
+                        (solid.x + sign * radius) / z * k.fx + k.cx,
+                        (solid.y + sign * radius) / z * k.fy + k.cy,
+                    );
+                    u = [u[0].min(pu), u[1].max(pu)];
+                    v = [v[0].min(pv), v[1].max(pv)];
+                }
+            }
+            let range = |r: [f64; 2], n: usize| {
+                (r[0].floor().clamp(0.0, n as f64) as usize)
+                    ..(r[1].ceil().clamp(0.0, n as f64) as usize)
+            };
+            for row in range(v, k.height) {
+                for column in range(u, k.width) {
+                    let ray = k.ray(column as f64, row as f64);
+                    if let Some(z) = solid.enter([0.0; 3], [ray.x, ray.y, 1.0]) {
+                        let d = &mut depth[row * k.width + column];
+                        *d = d.min(z);
+                    }
+                }
+            }
+        }
+        let highest = self.solids.iter().fold(self.floor, |h, s| h.min(s.top));
+        let mut lit = vec![0.0f32; depth.len()];
+        for row in 0..k.height {
+            for column in 0..k.width {
+                let z = depth[row * k.width + column];
+                let ray = k.ray(column as f64, row as f64);
+                let p = [ray.x * z, ray.y * z, z];
+                // From the projector to the point; s = 1 at the point.
+                let d = [p[0] - BASELINE, p[1], p[2]];
+                let shift = BASELINE * (z - highest).max(0.0) / z + 0.3 * (z - highest).max(0.0);
+                let dark = self.solids.iter().any(|s| {
+                    let near = s.length.max(s.width) * 0.75 + shift;
+                    (s.x - p[0]).abs() < near
+                        && (s.y - p[1]).abs() < near
+                        && s.enter([BASELINE, 0.0, 0.0], d)
+                            .is_some_and(|enter| enter * z < z - 0.002)
+                });
+                lit[row * k.width + column] = if dark { 0.0 } else { z as f32 };
+            }
+        }
+        lit
+    }
+
+    /// What the sensor delivers.
+    pub fn frame(&self, seed: u64) -> DepthFrame {
+        let k = camera();
+        let ideal = self.ideal(&k);
+        let (w, h) = (k.width, k.height);
+        let mut r = RandomStreams::new(seed).stream("sensor");
+        let mut jittered = vec![0.0f32; w * h];
+        for v in 0..h {
+            for u in 0..w {
+                let su = (u as f64 + 0.3 * normal(&mut r))
+                    .round()
+                    .clamp(0.0, (w - 1) as f64) as usize;
+                let sv = (v as f64 + 0.3 * normal(&mut r))
+                    .round()
+                    .clamp(0.0, (h - 1) as f64) as usize;
+                jittered[v * w + u] = ideal[sv * w + su];
+            }
+        }
+        // Correlated half of the noise: a coarse lattice, blended.
+        const CELL: usize = 4;
+        let (cw, ch) = (w / CELL + 2, h / CELL + 2);
+        let coarse: Vec<f64> = (0..cw * ch).map(|_| normal(&mut r) * 1.5).collect();
+        let mut depth = vec![0.0f32; w * h];
+        for v in 0..h {
+            for u in 0..w {
+                let i = v * w + u;
+                let mut z = jittered[i];
+                let (mut low, mut high) = (f32::MAX, 0.0f32);
+                for dv in v.saturating_sub(1)..=(v + 1).min(h - 1) {
+                    for du in u.saturating_sub(1)..=(u + 1).min(w - 1) {
+                        let n = ideal[dv * w + du];
+                        if n > 0.0 {
+                            low = low.min(n);
+                            high = high.max(n);
+                        }
+                    }
+                }
+                if high > low + 0.005 {
+                    let chance = unit(&mut r);
+                    if chance < 0.3 {
+                        z = 0.0;
+                    } else if chance < 0.4 {
+                        z = (low + high) / 2.0;
+                    }
+                }
+                if unit(&mut r) < 0.002 {
+                    z = 0.0;
+                }
+                if z > 0.0 {
+                    let (fu, fv) = (
+                        (u % CELL) as f64 / CELL as f64,
+                        (v % CELL) as f64 / CELL as f64,
+                    );
+                    let at = |i: usize, j: usize| coarse[(v / CELL + j) * cw + u / CELL + i];
+                    let blend = (at(0, 0) * (1.0 - fu) + at(1, 0) * fu) * (1.0 - fv)
+                        + (at(0, 1) * (1.0 - fu) + at(1, 1) * fu) * fv;
+                    let sigma = 0.0005 * f64::from(z) * f64::from(z) / 9.0;
+                    let noisy = f64::from(z) + sigma * (0.5f64.sqrt() * (normal(&mut r) + blend));
+                    z = ((noisy * 1e4).round() * 1e-4) as f32;
+                }
+                depth[i] = z;
+            }
+        }
+        DepthFrame {
+            intrinsics: k,
+            depth,
+            intensity: vec![128; w * h],
+        }
+    }
+}
+
+/// Camera 3.7 m above the floor, EUR pallet 0.144 m high, layers of eight cartons.
+pub const FLOOR: f64 = 3.7;
+pub const PALLET_TOP: f64 = FLOOR - 0.144;
+
+/// The pallet's boards and blocks.
+pub fn pallet() -> Vec<Solid> {
+    let mut solids = Vec::new();
+    for (y, width) in [
+        (-0.3275, 0.145),
+        (-0.1636, 0.1),
+        (0.0, 0.145),
+        (0.1636, 0.1),
+        (0.3275, 0.145),
+    ] {
+        solids.push(Solid::block(
+            0.0,
+            y,
+            1.2,
+            width,
+            PALLET_TOP,
+            PALLET_TOP + 0.022,
+        ));
+    }
+    for x in [-0.5275, 0.0, 0.5275] {
+        solids.push(Solid::block(
+            x,
+            0.0,
+            0.145,
+            0.8,
+            PALLET_TOP + 0.022,
+            PALLET_TOP + 0.044,
+        ));
+        for y in [-0.35, 0.0, 0.35] {
+            solids.push(Solid::block(x, y, 0.145, 0.1, PALLET_TOP + 0.044, FLOOR));
+        }
+    }
+    solids
+}
+
+/// Cartons of one layer (1 = lowest); slots not in `slots` stay empty. Two by four, long side
+/// along Y: 4 x 300 mm along X, 2 x 400 mm along Y. Below 2 mm gaps nothing is turned or shifted.
+pub fn layer(
+    number: usize,
+    gap: f64,
+    slots: &[usize],
+    wanted: bool,
+    r: &mut RandomStream,
+) -> Vec<Solid> {
+    let top = PALLET_TOP - 0.25 * number as f64;
+    let free = f64::from(u8::from(gap >= 0.002));
+    slots
+        .iter()
+        .map(|&slot| {
+            let (i, j) = ((slot % 4) as f64 - 1.5, (slot / 4) as f64 - 0.5);
+            // Turned less where the gap leaves no room: a corner moves by half a side times yaw.
+            let most = (gap / 0.4 * 0.6).min(0.5f64.to_radians()) * free;
+            let shift = (gap * 0.15).min(0.001) * free;
+            Solid {
+                x: i * (0.3 + gap) + r.uniform(-shift, shift),
+                y: j * (0.4 + gap) + r.uniform(-shift, shift),
+                yaw: std::f64::consts::FRAC_PI_2 + r.uniform(-most, most),
+                length: 0.4,
+                width: 0.3,
+                top: top + r.uniform(-0.0005, 0.0005) * free,
+                bottom: top + 0.25,
+                wanted,
+            }
+        })
+        .collect()
+}
+
+/// A pallet whose highest full layer is `layers`, seen with the layers below as one block.
+pub fn stack(layers: usize, gap: f64, seed: u64) -> Scene {
+    let mut r = RandomStreams::new(seed).stream("stack");
+    let mut solids = pallet();
+    if layers > 1 {
+        let top = PALLET_TOP - 0.25 * (layers - 1) as f64;
+        solids.push(Solid::block(0.0, 0.0, 1.2, 0.8, top, PALLET_TOP));
+    }
+    solids.extend(layer(layers, gap, &[0, 1, 2, 3, 4, 5, 6, 7], true, &mut r));
+    Scene {
+        solids,
+        floor: FLOOR,
+    }
+}
+
+/// One detected box against the truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseError {
+    pub xy_mm: f64,
+    pub z_mm: f64,
+    pub yaw_deg: f64,
+    pub tilt_deg: f64,
+}
+
+#[derive(Debug, Default)]
+pub struct Score {
+    pub wanted: usize,
+    pub found: usize,
+    pub false_positives: usize,
+    pub errors: Vec<PoseError>,
+}
+
+impl Score {
+    /// Adds one frame's boxes `(camera_from_box, size)`.
+    pub fn add<'a>(&mut self, scene: &Scene, boxes: impl Iterator<Item = &'a Pose>) {
+        let mut open: Vec<&Solid> = scene.solids.iter().filter(|s| s.wanted).collect();
+        self.wanted += open.len();
+        for pose in boxes {
+            let p = pose.translation.vector;
+            let nearest = open
+                .iter()
+                .enumerate()
+                .map(|(i, s)| (i, (s.x - p.x).hypot(s.y - p.y), (s.top - p.z).abs()))
+                .filter(|m| m.2 < 0.02)
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((i, xy, z)) = nearest.filter(|m| m.1 < 0.02) else {
+                self.false_positives += 1;
+                continue;
+            };
+            let solid = open.remove(i);
+            let x = pose.rotation * nalgebra_x();
+            let mut yaw = x.y.atan2(x.x) - solid.yaw;
+            yaw -= (yaw / std::f64::consts::PI).round() * std::f64::consts::PI;
+            let normal = pose.rotation * depal_frames::Vector::z();
+            self.found += 1;
+            self.errors.push(PoseError {
+                xy_mm: xy * 1e3,
+                z_mm: z * 1e3,
+                yaw_deg: yaw.abs().to_degrees(),
+                tilt_deg: (-normal.z).clamp(-1.0, 1.0).acos().to_degrees(),
+            });
+        }
+    }
+
+    /// The given share of the errors is at most this.
+    pub fn quantile(&self, share: f64, of: fn(&PoseError) -> f64) -> f64 {
+        let mut values: Vec<f64> = self.errors.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        let last = values.len().saturating_sub(1);
+        values
+            .get((share * last as f64).round() as usize)
+            .copied()
+            .unwrap_or(f64::NAN)
+    }
+
+    pub fn line(&self) -> String {
+        let q = |share, of| self.quantile(share, of);
+        format!(
+            "{:3}/{:3} fp {} | xy {:.2} {:.2} {:.2} | z {:.2} | yaw {:.3} {:.3} | tilt {:.3}",
+            self.found,
+            self.wanted,
+            self.false_positives,
+            q(0.5, |e| e.xy_mm),
+            q(0.95, |e| e.xy_mm),
+            q(1.0, |e| e.xy_mm),
+            q(0.95, |e| e.z_mm),
+            q(0.5, |e| e.yaw_deg),
+            q(0.95, |e| e.yaw_deg),
+            q(0.95, |e| e.tilt_deg),
+        )
+    }
+}
+
+fn nalgebra_x() -> depal_frames::Vector {
+    depal_frames::Vector::x()
+}
