@@ -205,7 +205,11 @@ impl<T: TryFrom<i64>> Rule for Whole<T> {
         {
             return Some(number);
         }
-        let expected = format!("a whole number of {} to {}", self.low, self.high);
+        let expected = if self.low == self.high {
+            self.low.to_string()
+        } else {
+            format!("a whole number of {} to {}", self.low, self.high)
+        };
         reader.unexpected(node, key, &expected);
         None
     }

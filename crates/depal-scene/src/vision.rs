@@ -31,13 +31,15 @@ section! {
         /// Number that the robot sends.
         id: u16, whole(1, 999), required;
         /// Name of the camera that it looks through.
+        /// Default overhead: the camera's own default name.
         camera: String, Text, default("overhead".to_owned());
         /// Carton size or a list of sizes, each [length, width, height] in mm.
         box_mm: Vec<[f64; 3]>, OneOrMore(Numbers::<3>(LENGTH_MM), 32), required;
         /// What it answers with.
+        /// Default poses: the plain case.
         output: ProjectOutput, one_of(), default(ProjectOutput::Poses);
         /// What a command can switch it to.
-        /// Default: nothing.
+        /// Default: nothing to switch to.
         recipes: Vec<Recipe>, ListOf(table(), 0, 99), default(Vec::new());
     }
 }

@@ -49,12 +49,13 @@ section! {
     /// Go to a carton and pick it.
     pub struct VisionMove {
         /// How picks are chosen.
+        /// Default box_depalletizing: the only one.
         pick: PickStrategy, one_of(), default(PickStrategy::BoxDepalletizing);
         /// Switch only the gripper's sections that lie on the carton.
         /// Default true: an open cup weakens its whole zone.
         sections: bool, Flag, default(true);
         /// Plan every carton that was found instead of the first one that can be reached.
-        /// Default false.
+        /// Default false: the picture is old after one pick.
         plan_all_vision_results: bool, Flag, default(false);
     }
 }
@@ -63,6 +64,7 @@ section! {
     /// Place what is held by a pattern.
     pub struct PalletPattern {
         /// Where it goes.
+        /// Default conveyor: the only one.
         pattern: PlacePattern, one_of(), default(PlacePattern::Conveyor);
     }
 }
@@ -81,7 +83,7 @@ section! {
         /// Offset, mm.
         xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
         /// Turn: roll, pitch and yaw, degrees.
-        /// Default 0.
+        /// Default 0: no turn.
         rpy_deg: [f64; 3], Numbers::<3>(ANGLE_DEG), default([0.0; 3]);
         /// Frame of the offset.
         /// Default base: up stays up whatever the tool does.
