@@ -116,7 +116,7 @@ fn every_threshold_can_be_missed_alone() {
         ("dropped_max", |run| run.boxes_dropped = 1),
         ("pick_success_min", |run| run.picks_succeeded = 40),
         ("boxes_per_hour_min", |run| {
-            run.last_delivery_s = Some(433.0)
+            run.last_delivery_s = Some(433.0);
         }),
         ("vision_recall_min", |run| run.found_boxes = 190),
         ("false_picks_max", |run| run.false_picks = 1),

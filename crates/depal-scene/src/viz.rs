@@ -211,9 +211,17 @@ fn kind_schema<S: Section>(word: &str) -> Json {
     let mut properties = Map::new();
     properties.insert(
         "id".to_owned(),
-        json!({"type": "integer", "minimum": 1, "maximum": 999}),
+        json!({
+            "type": "integer",
+            "minimum": 1,
+            "maximum": 999,
+            "description": "Number that commands and exits refer to.",
+        }),
     );
-    properties.insert("kind".to_owned(), json!({"const": word}));
+    properties.insert(
+        "kind".to_owned(),
+        json!({"const": word, "description": S::DOC}),
+    );
     properties.extend(keys);
     required.extend(STEP_KEYS.iter().map(|key| (*key).to_owned()));
     json!({
@@ -235,17 +243,12 @@ impl Rule for Step {
             reader.unexpected(node, key, "a table with id and kind");
             return None;
         };
-        let id = match table.get("id") {
-            Some(entry) => whole(1, 999).read(&entry.node, &join(key, "id"), reader),
-            None => {
-                reader.problem(
-                    &node.place,
-                    &join(key, "id"),
-                    "missing key".to_owned(),
-                    None,
-                );
-                None
-            }
+        let id_key = join(key, "id");
+        let id = if let Some(entry) = table.get("id") {
+            whole(1, 999).read(&entry.node, &id_key, reader)
+        } else {
+            reader.problem(&node.place, &id_key, "missing key".to_owned(), None);
+            None
         };
         let kind_key = join(key, "kind");
         let Some(entry) = table.get("kind") else {
