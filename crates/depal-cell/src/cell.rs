@@ -189,7 +189,13 @@ impl Cell {
     fn step(&mut self, observers: &mut [&mut dyn Observer]) {
         let now = self.now;
         // 1. Messages.
-        self.vision.exchange(now, &mut self.link, &mut self.score, &mut self.pending);
+        self.vision.exchange(
+            now,
+            &self.spec,
+            &mut self.link,
+            &mut self.score,
+            &mut self.pending,
+        );
         // 2. Controller.
         self.controller.tick(now, &mut self.link);
         self.take_controller_events();
@@ -273,6 +279,7 @@ impl Cell {
                 self.controller.report_collision(&text);
             }
             if let WorldEvent::CartonDelivered { carton, .. } = event {
+                self.score.last_delivery = Some(self.now);
                 self.world.remove_carton(*carton);
             }
         }

@@ -1,6 +1,26 @@
 //! One deterministic step loop that owns the clock, the events, the score and the truth.
+//!
+//! A [`cell::Cell`] is built from a [`spec::CellSpec`] and a robot task, and runs to its end tick by tick,
+//! in the fixed order that `crates/README.md` lists.
+//! It carries bytes between robot and vision server, shapes to the camera, frames to vision, poses to the
+//! planner, joint positions and valve commands to the physics; it alone compares vision with the truth.
+//! [`observer::Observer`]s see what happens and change nothing.
+//!
+//! Units: SI, radians and simulated time; the event log has mm and degrees in its keys.
+//!
+//! Limitations: one arm, one camera, one vision server with one port, in process.
 
+pub mod cell;
+mod digest;
+pub mod error;
 pub mod event;
+mod gripper_io;
+mod link;
 pub mod observer;
+mod picks;
+mod picture;
+mod planning;
 pub mod score;
+pub mod spec;
 pub mod truth;
+mod vision_side;

@@ -35,7 +35,7 @@ pub(crate) struct Link {
     latency: SimDuration,
     ends: BTreeMap<SocketId, RobotEnd>,
     to_server: VecDeque<(SimTime, ConnectionId, ToServer)>,
-    next_connection: u32,
+    next_connection: u64,
     /// Connection attempts to ports where nobody listens, for the log.
     pub(crate) refused: Vec<(String, u16)>,
 }

@@ -49,6 +49,8 @@ pub struct Score {
     pub cycles: Vec<f64>,
     /// When each delivery or placement happened.
     pub last_success: Option<SimTime>,
+    /// When the last carton left the cell.
+    pub last_delivery: Option<SimTime>,
     /// When the first exposure was triggered.
     pub first_exposure: Option<SimTime>,
     /// Frames evaluated.

@@ -23,6 +23,7 @@ section! {
     /// The depth camera. Its frame: X right in the picture, Y down, Z forward.
     pub struct Camera {
         /// Name that vision projects refer to.
+        /// Default overhead: what the projects' own default names.
         name: String, Text, default("overhead".to_owned());
         /// Optical centre in the world, mm.
         xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
@@ -38,6 +39,7 @@ section! {
         /// Default 1280: 1.3 mm per pixel two metres away with the default focal length.
         width: u32, whole(16, 4096), default(1280);
         /// Height of the picture, pixels.
+        /// Default 1024: with the width, the 5:4 of common image sensors.
         height: u32, whole(16, 4096), default(1024);
         /// Focal lengths along X and Y, pixels.
         /// Default [1600, 1600]: 1.6 m x 1.3 m two metres away, an EUR pallet with a margin.
@@ -52,6 +54,7 @@ section! {
         /// Default 0.6: long-range laser cameras need 0.5 to 0.9 s.
         exposure_s: f64, number(0.0, 10.0), default(0.6);
         /// Which faults the picture has.
+        /// Default laser: an ideal picture makes every detector look good.
         sensor: SensorPreset, one_of(), default(SensorPreset::Laser);
         /// Axial noise of a face seen squarely from 3 m, mm, one standard deviation; it grows with the
         /// square of the distance.

@@ -95,8 +95,7 @@ impl Source {
             source_line = self.text[line_start..]
                 .lines()
                 .next()
-                .unwrap_or_default()
-                .to_owned();
+                .map_or_else(String::new, str::to_owned);
         }
         SceneProblem {
             source: self.name.clone(),

@@ -38,6 +38,7 @@ section! {
     /// carton, X along its long side.
     pub struct Gripper {
         /// Name for messages and the replay.
+        /// Default gripper.
         name: String, Text, default("gripper".to_owned());
         /// Origin of the tool frame in the flange frame, mm.
         tcp_xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
@@ -48,6 +49,7 @@ section! {
         /// Default 45: a plate gripper of this size with its valves.
         mass_kg: f64, above(0.0, 1000.0), default(45.0);
         /// Body behind the cups, along X, Y and Z of the tool frame, mm.
+        /// Default [400, 300, 60]: as large as the top face of a common carton.
         plate_mm: [f64; 3], Numbers::<3>(LENGTH_MM), default([400.0, 300.0, 60.0]);
         /// Width of the square post from the flange to the plate, mm.
         /// Default 120: as thick as the arm's flange is wide.
@@ -85,7 +87,7 @@ section! {
         /// Default 0.04: released after about 0.12 s.
         blow_off_s: f64, above(0.0, 10.0), default(0.04);
         /// The vacuum switch closes above this share of `rated_vacuum_kpa` ...
-        /// Default 0.6.
+        /// Default 0.6: usual for a part-present switch.
         switch_on: f64, SHARE, default(0.6);
         /// ... and opens below this one.
         /// Default 0.5: the distance keeps the switch from chattering.
@@ -94,8 +96,10 @@ section! {
         /// Default 0.9: flow resistors in the cups keep the rest.
         open_cup_loss: f64, SHARE, default(0.9);
         /// Name of the robot's group output that switches the zones, one bit each.
+        /// Default GO_GRIPPER: one of the robot's default signals.
         sections_signal: String, Text, default("GO_GRIPPER".to_owned());
         /// Name of the robot's digital input that the vacuum switch drives.
+        /// Default DI_VACUUM: one of the robot's default signals.
         vacuum_signal: String, Text, default("DI_VACUUM".to_owned());
     }
     check check_gripper;

@@ -42,8 +42,10 @@ section! {
         /// Default hex-le: what ABB and KUKA modules use in the field.
         encoding: WireEncoding, one_of(), default(WireEncoding::HexLe);
         /// Version that is spoken.
+        /// Default v1_8: what the module inside the program is written for.
         profile: InterfaceProfile, one_of(), default(InterfaceProfile::V1_8);
         /// Make of the robot.
+        /// Default abb: the arm of the demo.
         brand: RobotBrand, one_of(), default(RobotBrand::Abb);
         /// Port that the robot program connects to.
         /// Default 50000: the port of the interface's own examples.
@@ -64,7 +66,7 @@ section! {
         /// Default 0.3: a usual time of box detection on an industrial computer.
         vision_s: f64, number(0.0, 60.0), default(0.3);
         /// From the poses to the path, s.
-        /// Default 0.1.
+        /// Default 0.1: one pick on an industrial computer; not our own computing time.
         planning_s: f64, number(0.0, 60.0), default(0.1);
         /// One way on the network, ms.
         /// Default 1: a switch and two interrupt handlers.

@@ -120,7 +120,7 @@ fn lay_layer(scene: &Scene, random: &mut Draws) -> Vec<Cell> {
     let gap = scene.randomize.gap_mm;
     let most_shift = scene.randomize.shift_mm;
     let yaw_limit = scene.randomize.yaw_deg.to_radians();
-    let [side_x, side_y] = scene.cartons.sides_mm();
+    let [half_x, half_y] = scene.cartons.sides_mm().map(|side| side / 2.0);
     let (columns, rows) = (pattern.columns as usize, pattern.rows as usize);
 
     let mut cells: Vec<Cell> = (0..columns * rows)
@@ -130,10 +130,7 @@ fn lay_layer(scene: &Scene, random: &mut Draws) -> Vec<Cell> {
             Cell {
                 at: [(position / rows) as u32, (position % rows) as u32],
                 yaw,
-                half_mm: [
-                    (side_x * cos + side_y * sin) / 2.0,
-                    (side_x * sin + side_y * cos) / 2.0,
-                ],
+                half_mm: [half_x * cos + half_y * sin, half_x * sin + half_y * cos],
                 x_mm: 0.0,
                 y_mm: 0.0,
             }
@@ -184,6 +181,7 @@ fn line_up(halves: &[f64], spare: &[f64], gap: Span, random: &mut Draws) -> (Vec
         down: f64::INFINITY,
         up: f64::INFINITY,
     };
+    // The line begins at zero.
     let mut middles = vec![halves[0]];
     let mut slack = vec![free; halves.len()];
     for (position, spare) in spare.iter().enumerate() {
@@ -200,7 +198,7 @@ fn line_up(halves: &[f64], spare: &[f64], gap: Span, random: &mut Draws) -> (Vec
         slack[position + 1].up = slack[position + 1].up.min(farther);
     }
     let last = halves.len() - 1;
-    let middle = (middles[last] + halves[last]) / 2.0;
+    let middle = f64::midpoint(middles[last], halves[last]);
     for at in &mut middles {
         *at -= middle;
     }

@@ -114,7 +114,8 @@ impl Scene {
     }
 }
 
-/// Parses the first source and everything that it extends, merged; `None` if a text is no TOML.
+/// Parses the first source and everything that it extends, merged; `None` if a text is no TOML or
+/// cannot be had.
 fn chain(
     sources: &mut Vec<Source>,
     resolver: Resolver<'_>,
@@ -158,7 +159,7 @@ fn chain(
         };
         if let Some(message) = refusal {
             problems.push(sources[at].problem(&place.span, "extends", message, None));
-            break;
+            return None;
         }
         at = sources.len() - 1;
     }

@@ -28,7 +28,7 @@ section! {
         /// Kind.
         kind: SignalKind, one_of(), required;
         /// Width; 1 for digital signals.
-        /// Default 1.
+        /// Default 1: the width of a digital signal.
         bits: u32, whole(1, 32), default(1);
     }
     check check_signal;
@@ -77,7 +77,7 @@ section! {
         /// Default: the origin.
         base_xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), default([0.0; 3]);
         /// Turn of the foot about the world's Z, degrees.
-        /// Default 0.
+        /// Default 0: facing along the world's X.
         base_yaw_deg: f64, ANGLE_DEG, default(0.0);
         /// Joint angles at the start, degrees, in the order of the URDF.
         /// Default: upright, forearm level, tool looking down.

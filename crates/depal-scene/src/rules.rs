@@ -73,14 +73,12 @@ impl Rule for Number {
             Value::Float(number) => Some(number),
             _ => None,
         };
-        match number.filter(|number| self.holds(*number)) {
-            // `-0.0` would write itself differently from `0.0`.
-            Some(number) => Some(number + 0.0),
-            None => {
-                reader.unexpected(node, key, &self.expected());
-                None
-            }
-        }
+        let Some(number) = number.filter(|number| self.holds(*number)) else {
+            reader.unexpected(node, key, &self.expected());
+            return None;
+        };
+        // `-0.0` would write itself differently from `0.0`.
+        Some(number + 0.0)
     }
 
     fn schema(&self) -> Json {
@@ -205,7 +203,11 @@ impl<T: TryFrom<i64>> Rule for Whole<T> {
         {
             return Some(number);
         }
-        let expected = format!("a whole number of {} to {}", self.low, self.high);
+        let expected = if self.low == self.high {
+            self.low.to_string()
+        } else {
+            format!("a whole number of {} to {}", self.low, self.high)
+        };
         reader.unexpected(node, key, &expected);
         None
     }

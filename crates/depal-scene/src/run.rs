@@ -18,7 +18,7 @@ section! {
         /// Default 300: a carton of 250 mm is out of its layer.
         lift_mm: f64, number(0.0, 5000.0), default(300.0);
         /// Straight way down onto a carton or the conveyor, mm.
-        /// Default 150.
+        /// Default 150: time to slow down before the touch; more takes longer.
         approach_mm: f64, number(0.0, 5000.0), default(150.0);
         /// Most waypoints of one path.
         /// Default 20: one reply of the interface.

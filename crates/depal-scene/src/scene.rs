@@ -27,7 +27,7 @@ section! {
         /// Name for reports and folders.
         name: String, Text, required;
         /// Seed of everything random, unless the command line gives one.
-        /// Default 1.
+        /// Default 1: any other serves as well.
         seed: u64, whole(0, i64::MAX), default(1);
         /// The pallet.
         pallet: Pallet, table(), section;

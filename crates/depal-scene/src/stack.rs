@@ -17,6 +17,7 @@ section! {
         /// Centre of its footprint on the floor, in the world, mm.
         xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
         /// Turn about the world's Z, degrees, counter-clockwise seen from above.
+        /// Default 0: its X along the world's X.
         yaw_deg: f64, ANGLE_DEG, default(0.0);
         /// Size along its own X, Y and Z, mm.
         /// Default: a EUR pallet (EN 13698-1) with the long side along Y.
@@ -107,11 +108,11 @@ section! {
         /// Default 4: the middle of what case packers leave.
         gap_mm: Span, SpanOf(number(0.0, 500.0)), default(Span::of(4.0));
         /// Largest turn of a carton about Z, degrees, either way; stream `cartons.yaw`.
-        /// Default 0.
+        /// Default 0: no turns.
         yaw_deg: f64, number(0.0, 20.0), default(0.0);
         /// Largest shift of a carton along the pallet's X and Y, mm, either way; stream `cartons.shift`.
         /// Between neighbours a shift is cut short where it would leave the range of `gap_mm`.
-        /// Default 0.
+        /// Default 0: no shifts.
         shift_mm: f64, number(0.0, 100.0), default(0.0);
     }
 }
@@ -122,8 +123,10 @@ section! {
         /// Middle of the belt's upper surface, in the world, mm.
         xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
         /// Direction of travel, degrees from the world's X, counter-clockwise seen from above.
+        /// Default 0: along the world's X.
         yaw_deg: f64, ANGLE_DEG, default(0.0);
         /// Length along the travel, width, and thickness of the belt body, mm.
+        /// Default [3000, 600, 100]: room for five cartons in a line.
         size_mm: [f64; 3], Numbers::<3>(LENGTH_MM), default([3000.0, 600.0, 100.0]);
         /// Speed of the belt, mm/s.
         /// Default 400: clears a 400 mm carton in a second, well below one pick's time.
@@ -134,7 +137,7 @@ section! {
         /// Where the middle of a carton's bottom is to be placed, in the world, mm.
         place_xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
         /// Where a placed carton's long side points, degrees from the world's X.
-        /// Default 0.
+        /// Default 0: along the world's X.
         place_yaw_deg: f64, ANGLE_DEG, default(0.0);
     }
     check check_conveyor;

@@ -31,10 +31,12 @@ section! {
         /// Number that the robot sends.
         id: u16, whole(1, 999), required;
         /// Name of the camera that it looks through.
+        /// Default overhead: the camera's own default name.
         camera: String, Text, default("overhead".to_owned());
         /// Carton size or a list of sizes, each [length, width, height] in mm.
         box_mm: Vec<[f64; 3]>, OneOrMore(Numbers::<3>(LENGTH_MM), 32), required;
         /// What it answers with.
+        /// Default poses: the plain case.
         output: ProjectOutput, one_of(), default(ProjectOutput::Poses);
         /// Middle of the box in the world in which cartons are looked for, mm; with `region_size_mm`.
         /// Default: the air above the pallet, 150 mm over its edges, 30 mm below its deck.
@@ -42,7 +44,7 @@ section! {
         /// Size of that box along the world's axes, mm.
         region_size_mm: Option<[f64; 3]>, Maybe(Numbers::<3>(LENGTH_MM)), default(None);
         /// What a command can switch it to.
-        /// Default: nothing.
+        /// Default: nothing to switch to.
         recipes: Vec<Recipe>, ListOf(table(), 0, 99), default(Vec::new());
     }
 }

@@ -49,12 +49,13 @@ section! {
     /// Go to a carton and pick it.
     pub struct VisionMove {
         /// How picks are chosen.
+        /// Default box_depalletizing: the only one.
         pick: PickStrategy, one_of(), default(PickStrategy::BoxDepalletizing);
         /// Switch only the gripper's sections that lie on the carton.
         /// Default true: an open cup weakens its whole zone.
         sections: bool, Flag, default(true);
         /// Plan every carton that was found instead of the first one that can be reached.
-        /// Default false.
+        /// Default false: the picture is old after one pick.
         plan_all_vision_results: bool, Flag, default(false);
     }
 }
@@ -63,6 +64,7 @@ section! {
     /// Place what is held by a pattern.
     pub struct PalletPattern {
         /// Where it goes.
+        /// Default conveyor: the only one.
         pattern: PlacePattern, one_of(), default(PlacePattern::Conveyor);
     }
 }
@@ -81,7 +83,7 @@ section! {
         /// Offset, mm.
         xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
         /// Turn: roll, pitch and yaw, degrees.
-        /// Default 0.
+        /// Default 0: no turn.
         rpy_deg: [f64; 3], Numbers::<3>(ANGLE_DEG), default([0.0; 3]);
         /// Frame of the offset.
         /// Default base: up stays up whatever the tool does.
@@ -209,9 +211,17 @@ fn kind_schema<S: Section>(word: &str) -> Json {
     let mut properties = Map::new();
     properties.insert(
         "id".to_owned(),
-        json!({"type": "integer", "minimum": 1, "maximum": 999}),
+        json!({
+            "type": "integer",
+            "minimum": 1,
+            "maximum": 999,
+            "description": "Number that commands and exits refer to.",
+        }),
     );
-    properties.insert("kind".to_owned(), json!({"const": word}));
+    properties.insert(
+        "kind".to_owned(),
+        json!({"const": word, "description": S::DOC}),
+    );
     properties.extend(keys);
     required.extend(STEP_KEYS.iter().map(|key| (*key).to_owned()));
     json!({
@@ -233,17 +243,12 @@ impl Rule for Step {
             reader.unexpected(node, key, "a table with id and kind");
             return None;
         };
-        let id = match table.get("id") {
-            Some(entry) => whole(1, 999).read(&entry.node, &join(key, "id"), reader),
-            None => {
-                reader.problem(
-                    &node.place,
-                    &join(key, "id"),
-                    "missing key".to_owned(),
-                    None,
-                );
-                None
-            }
+        let id_key = join(key, "id");
+        let id = if let Some(entry) = table.get("id") {
+            whole(1, 999).read(&entry.node, &id_key, reader)
+        } else {
+            reader.problem(&node.place, &id_key, "missing key".to_owned(), None);
+            None
         };
         let kind_key = join(key, "kind");
         let Some(entry) = table.get("kind") else {

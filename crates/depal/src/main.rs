@@ -4,8 +4,11 @@ mod check;
 mod diagnostics;
 mod failure;
 mod output;
+mod progress;
 mod replay;
+mod replay_setup;
 mod run;
+mod totals;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
