@@ -20,7 +20,7 @@ pub(crate) fn pose_values(euler: EulerConvention, pose: &Pose) -> [f64; 6] {
             *angle += 360.0;
         }
     }
-    never_all_zero(values)
+    tidied(values)
 }
 
 /// Joints in degrees, filled up with zeros to six.
@@ -29,10 +29,15 @@ pub(crate) fn joint_values(joints: &JointPositions) -> [f64; 6] {
     for (value, joint) in values.iter_mut().zip(joints.iter()) {
         *value = joint.to_degrees();
     }
-    never_all_zero(values)
+    tidied(values)
 }
 
-fn never_all_zero(mut values: [f64; 6]) -> [f64; 6] {
+/// Rounded, and never exactly all zero.
+fn tidied(mut values: [f64; 6]) -> [f64; 6] {
+    for value in &mut values {
+        // A nanometre or a millionth of a degree: below it is arithmetic noise, and so is the sign of zero.
+        *value = (*value * 1e6).round() / 1e6 + 0.0;
+    }
     if values.iter().all(|v| v.abs() < 0.5 * NOT_QUITE_ZERO) {
         values = [NOT_QUITE_ZERO; 6];
     }

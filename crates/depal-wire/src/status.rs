@@ -36,6 +36,26 @@ impl Status {
         self as i32
     }
 
+    /// What a Viz run reports when the vision project that it called ended with this code.
+    /// Codes without a counterpart become 2008.
+    pub fn seen_from_viz(self) -> Self {
+        match self {
+            Self::NoVisionResult | Self::VisionTimeout => Self::VizNoVisionResult,
+            Self::NoPointsInRegion => Self::VizNoPointsInRegion,
+            Self::VisionNotRegistered | Self::UnknownJob => Self::VisionServiceMissing,
+            Self::BoxSizeCheckFailed => Self::VizBoxSizeCheckFailed,
+            Self::VisionUnreachable => Self::VizUnreachable,
+            Self::VisionSingularity => Self::VizSingularity,
+            Self::VisionBadPickPoint => Self::VizBadPickPoint,
+            Self::VisionCollision => Self::VizCollision,
+            Self::VisionNoPalletPosition => Self::VizNoPalletPosition,
+            Self::VisionMoveWithoutPoint => Self::VizNoVisionPoint,
+            Self::VisionBadTool => Self::VizBadTool,
+            viz if (2001..3000).contains(&viz.code()) => viz,
+            _ => Self::VizRuntimeError,
+        }
+    }
+
     /// Whether the command did what it should.
     pub fn is_success(self) -> bool {
         self.code() % 1000 >= 100

@@ -30,6 +30,12 @@ fn status_table_is_ascending_and_invertible() {
         assert!(!status.meaning().is_empty());
     }
     assert_eq!(Status::from_code(1234), None);
+    for status in Status::ALL {
+        let seen = status.seen_from_viz();
+        assert!((2001..2200).contains(&seen.code()), "{status} -> {seen}");
+    }
+    assert_eq!(Status::NoPointsInRegion.seen_from_viz().code(), 2038);
+    assert_eq!(Status::NoVisionResult.seen_from_viz().code(), 2037);
     assert!(Status::VizFinished.is_success() && !Status::VizTimeout.is_success());
 }
 
