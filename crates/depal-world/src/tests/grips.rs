@@ -48,7 +48,7 @@ fn a_carton_is_lifted_off_the_full_pallet_and_its_neighbours_stay() {
     assert!(
         cell.world
             .gripper()
-            .is_some_and(|gripper| gripper.vacuum_ok())
+            .is_some_and(depal_gripper::GripperState::vacuum_ok)
     );
     cell.go([x, y, top + 0.4], 0.8, 3.0, &MIDDLE);
     cell.stay(0.2, &MIDDLE);
@@ -215,4 +215,48 @@ fn two_cartons_under_one_gripper_are_both_taken() {
         [(left, vec![0, 1]), (right, vec![2, 3])]
     );
     assert!(cell.height(left) > 0.5 && cell.height(right) > 0.5);
+}
+
+#[test]
+fn the_bellows_make_up_for_errors_of_height() {
+    // Lips reach 12 mm beyond the cup plane; deeper than the plane the flat cups push hard.
+    for (error, grips) in [(-0.004, true), (0.0, true), (0.009, true), (0.013, false)] {
+        let (mut cell, id) = Cell::one_carton(12.0);
+        cell.tool[2] += error;
+        cell.grip(&MIDDLE);
+        cell.push(0.4, [0.0, 0.0, 3.0], 0.8, &MIDDLE);
+        cell.stay(0.2, &MIDDLE);
+        assert_eq!(!started(&cell.events).is_empty(), grips, "{error} m");
+        assert_eq!(cell.height(id) > PALLET_HEIGHT + 0.3, grips, "{error} m");
+        let collided = cell
+            .events
+            .iter()
+            .any(|event| matches!(event, WorldEvent::Collision { .. }));
+        assert!(!collided, "{error} m: {:?}", cell.events);
+    }
+}
+
+#[test]
+fn forces_stay_calm_while_a_carton_is_held() {
+    // Light and heavy cartons under the most cups that fit: the springs must not ring.
+    for mass in [1.0, 8.0, 40.0] {
+        let (cell, id) = lift(mass, &MIDDLE);
+        let mut cell = cell;
+        cell.stay(0.5, &MIDDLE);
+        let mut highest = 0.0f64;
+        for _ in 0..50 {
+            cell.stay(0.004, &MIDDLE);
+            let state = cell.world.carton(id).expect("in the world");
+            highest = highest.max(state.linear_velocity.norm());
+        }
+        assert!(highest < 0.002, "{mass} kg still moves at {highest} m/s");
+        let load = cell
+            .world
+            .gripper()
+            .map_or(0.0, |gripper| gripper.load(id.0));
+        assert!(
+            (load - mass * 9.81).abs() < 0.02 * mass * 9.81 + 0.5,
+            "{load} N"
+        );
+    }
 }
