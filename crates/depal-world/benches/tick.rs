@@ -1,5 +1,8 @@
 //! Cost of one 4 ms step with a full pallet: asleep, awake, and with a carton at the cups.
 
+// The macros below make public functions without documentation.
+#![allow(missing_docs)]
+
 use criterion::{Criterion, criterion_group, criterion_main};
 use depal_frames::nalgebra::UnitQuaternion;
 use depal_frames::{BoxSize, PlacedShape, Pose, Vector};
