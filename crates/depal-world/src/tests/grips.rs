@@ -1,3 +1,5 @@
+use depal_frames::nalgebra::UnitQuaternion;
+use depal_frames::{Pose, Vector};
 use depal_gripper::LossReason;
 use depal_time::SimDuration;
 
@@ -118,10 +120,7 @@ fn lateral_limit(timestep: SimDuration) -> f64 {
         cell.go([0.0, 0.0, top + 0.3], 0.5, 2.0, &MIDDLE);
         cell.push(0.2, [*acceleration, 0.0, 0.0], 10.0, &MIDDLE);
         lost(&cell.events, id).is_none()
-            && (cell.place(id) - depal_frames::Vector::from(cell.tool))
-                .x
-                .abs()
-                < 0.05
+            && (cell.place(id) - Vector::from(cell.tool)).x.abs() < 0.05
     };
     let survived = tried.iter().take_while(|&a| holds(a));
     survived.copied().last().unwrap_or(0.0)
@@ -259,4 +258,61 @@ fn forces_stay_calm_while_a_carton_is_held() {
             "{load} N"
         );
     }
+}
+
+#[test]
+fn moving_evenly_loads_the_cups_with_the_weight_alone() {
+    // Tool and carton must be compared at the same instant: one step apart at 1.5 m/s they
+    // would differ by 6 mm, more than the whole load.
+    let (mut cell, id) = lift(20.0, &MIDDLE);
+    cell.push(0.5, [3.0, 0.0, 0.0], 1.5, &MIDDLE);
+    for _ in 0..50 {
+        cell.push(0.02, [0.0; 3], 1.5, &MIDDLE);
+        let load = cell
+            .world
+            .gripper()
+            .map_or(0.0, |gripper| gripper.load(id.0));
+        if cell.tool[0] > 1.2 {
+            assert!((load - 196.2).abs() < 8.0, "{load} N");
+        }
+    }
+    let behind = cell.place(id).x - cell.tool[0];
+    assert!(behind.abs() < 0.002, "{behind} m");
+}
+
+#[test]
+fn a_turning_tool_takes_the_carton_with_it() {
+    let (mut cell, id) = lift(12.0, &MIDDLE);
+    let start = cell
+        .world
+        .carton(id)
+        .expect("in the world")
+        .world_from_centre;
+    let centre = cell.tool;
+    let turned = |angle: f64, tilt: f64| {
+        let yaw = UnitQuaternion::from_axis_angle(&Vector::z_axis(), angle);
+        let lean = UnitQuaternion::from_axis_angle(&Vector::x_axis(), tilt);
+        let [x, y, z] = centre;
+        Pose::translation(x, y, z) * yaw * lean * down(0.0, 0.0, 0.0)
+    };
+    // A quarter turn and a lean of 20 degrees in 1.2 s, eased in and out.
+    for step in 1..=300 {
+        let t = f64::from(step) / 300.0;
+        let eased = t * t * (3.0 - 2.0 * t);
+        let tool = turned(eased * std::f64::consts::FRAC_PI_2, eased * 0.35);
+        cell.world.set_arm(&[], &tool);
+        cell.events.extend(cell.world.step(&MIDDLE));
+    }
+    for _ in 0..100 {
+        cell.events.extend(cell.world.step(&MIDDLE));
+    }
+    assert_eq!(lost(&cell.events, id), None);
+    let end = cell
+        .world
+        .carton(id)
+        .expect("in the world")
+        .world_from_centre;
+    let expected = turned(std::f64::consts::FRAC_PI_2, 0.35) * turned(0.0, 0.0).inverse() * start;
+    assert!(end.rotation.angle_to(&expected.rotation) < 0.02);
+    assert!((end.translation.vector - expected.translation.vector).norm() < 0.005);
 }
