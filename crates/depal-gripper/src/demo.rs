@@ -83,6 +83,17 @@ impl GripperSpec {
     }
 }
 
+impl GripperSpec {
+    /// The valve commands for [`GripperState::update`](crate::GripperState::update) from the
+    /// digital outputs of the controller, in the order of the sections.
+    pub fn valves(&self, is_output_on: impl Fn(u16) -> bool) -> Vec<bool> {
+        let sections = self.sections.iter();
+        sections
+            .map(|section| is_output_on(section.digital_output))
+            .collect()
+    }
+}
+
 impl CupSpec {
     /// Effective area, m2.
     pub fn area(&self) -> f64 {

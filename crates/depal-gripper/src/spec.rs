@@ -38,11 +38,12 @@ pub struct CupSpec {
     pub section: usize,
     /// Effective diameter, metres.
     pub diameter: f64,
-    /// Axial stiffness, N/m.
+    /// Axial stiffness of the collapsed cup, N/m; the open bellows has a tenth of it.
     pub stiffness: f64,
     /// Axial damping, N s/m.
     pub damping: f64,
     /// Free travel of the lip beyond the `tcp` plane, metres: the cup touches this much early.
+    /// With the face at the `tcp` plane the bellows is flat.
     pub stroke: f64,
 }
 
@@ -59,7 +60,8 @@ pub struct VacuumSpec {
     pub switch_on_fraction: f64,
     /// ... and opens below this one.
     pub switch_off_fraction: f64,
-    /// Share of the supply that one open cup of `n` in a zone loses (flow resistors keep it below 1).
+    /// Share of the supply that one open cup of `n` in a zone loses (flow resistors keep it below 1):
+    /// with `m` open cups the zone reaches `supply * (1 - m * loss)`, never below zero.
     pub open_cup_loss: f64,
     /// Coefficient of friction between lip and carton.
     pub friction: f64,

@@ -325,3 +325,13 @@ fn bellows_is_soft_over_its_stroke_and_stiff_beyond() {
         "a lip never pulls by its damping"
     );
 }
+
+#[test]
+fn outputs_switch_their_own_sections() {
+    let spec = GripperSpec::four_sections();
+    assert_eq!(
+        spec.valves(|output| output == 3 || output == 6),
+        [false, true, false, true]
+    );
+    assert_eq!(spec.valves(|output| output == 2 || output == 4), [false; 4]);
+}

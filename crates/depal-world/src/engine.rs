@@ -1,4 +1,4 @@
-use depal_frames::convert::to_glam;
+use depal_frames::convert::{to_glam, vector_from_glam};
 use depal_frames::{PlacedShape, Shape};
 use rapier3d::dynamics::SpringCoefficients;
 use rapier3d::prelude::*;
@@ -107,6 +107,8 @@ pub(crate) struct Touch {
     pub impulse: f64,
     /// Deepest penetration, m; negative when apart.
     pub depth: f64,
+    /// Direction of the deepest contact, world frame, either sign.
+    pub normal: depal_frames::Vector,
 }
 
 /// All contacts of a collider, in the engine's (deterministic) order.
@@ -119,11 +121,12 @@ pub(crate) fn touches(physics: &PhysicsWorld, collider: ColliderHandle) -> Vec<T
             } else {
                 pair.collider1
             };
-            let (_, contact) = pair.find_deepest_contact()?;
+            let (manifold, contact) = pair.find_deepest_contact()?;
             Some(Touch {
                 other: Owner::decode(physics.colliders.get(other)?.user_data),
                 impulse: f64::from(pair.total_impulse_magnitude()),
                 depth: -f64::from(contact.dist),
+                normal: vector_from_glam(manifold.data.normal),
             })
         })
         .collect()

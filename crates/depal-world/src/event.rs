@@ -73,7 +73,8 @@ pub enum WorldEvent {
         /// How far, m.
         distance: f64,
     },
-    /// Arm, tool, cups or a held carton press on something with more than the limit.
+    /// Arm, tool, cups or a held carton press on something with more than the limit
+    /// (see [`WorldSpec`](crate::WorldSpec)).
     /// Reported when it begins; again only after the force was gone.
     Collision {
         /// The moving side.

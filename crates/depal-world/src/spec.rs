@@ -19,9 +19,15 @@ pub struct WorldSpec {
     pub fixed_contact_frequency: f64,
     /// Coefficient of friction of arm links and tool bodies.
     pub arm_friction: f64,
-    /// A contact force of the arm, the tool or a held carton above this, N ...
+    /// Limit of contact forces on arm links and tool bodies, N.
     pub collision_force: f64,
-    /// ... for at least this long is a collision.
+    /// Limit of lateral contact forces on a held carton, N. The cups pass on no more than their
+    /// friction holds: some 500 N with 24 sealed cups of 44 N.
+    pub held_collision_force: f64,
+    /// Limit of forces along the tool's axis, N: of the cups on a carton, and of a held carton
+    /// on what is below it. Transport cartons bear some 2 to 5 kN on their top.
+    pub crush_force: f64,
+    /// A force above its limit for at least this long is a collision.
     pub collision_span: SimDuration,
     /// Floor, pallet, fences.
     pub fixed: Vec<FixedBody>,
@@ -31,7 +37,7 @@ pub struct WorldSpec {
 
 impl Default for WorldSpec {
     /// An empty world: 4 ms steps of four parts, contacts at 120 and 240 Hz,
-    /// a collision is 500 N for 20 ms.
+    /// a collision is 500 N on the arm, 250 N on a held carton or 2 kN downwards, for 20 ms.
     fn default() -> Self {
         Self {
             timestep: TICK,
@@ -41,6 +47,8 @@ impl Default for WorldSpec {
             fixed_contact_frequency: 240.0,
             arm_friction: 0.3,
             collision_force: 500.0,
+            held_collision_force: 250.0,
+            crush_force: 2_000.0,
             collision_span: SimDuration::from_millis(20),
             fixed: Vec::new(),
             conveyors: Vec::new(),

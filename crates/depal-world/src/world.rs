@@ -49,14 +49,13 @@ impl World {
             let built = built.active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS);
             conveyor_colliders.push(physics.insert_collider(built, None));
         }
-        let span = spec.collision_span.as_secs_f64();
         Self {
             physics,
             cartons: BTreeMap::new(),
             arm: None,
             conveyor_colliders,
             floor_colliders,
-            collisions: CollisionWatch::new(spec.collision_force, span),
+            collisions: CollisionWatch::new(spec),
             belts: Belts::new(&spec.conveyors),
             loads: LoadHistory::default(),
             next_carton: 1,

@@ -117,9 +117,9 @@ impl Cell {
     pub fn push(&mut self, span: f64, acceleration: [f64; 3], top: f64, valves: &[bool]) {
         let dt = self.world.spec().timestep.as_secs_f64();
         for _ in 0..(span / dt).round() as usize {
-            for axis in 0..3 {
+            for (axis, a) in acceleration.iter().enumerate() {
                 let v = &mut self.velocity[axis];
-                *v = (*v + acceleration[axis] * dt).clamp(-top, top);
+                *v = (*v + a * dt).clamp(-top, top);
                 self.tool[axis] += *v * dt;
             }
             self.world

@@ -1,3 +1,5 @@
+use depal_frames::nalgebra::UnitQuaternion;
+use depal_frames::{Pose, Vector};
 use depal_gripper::LossReason;
 use depal_time::SimDuration;
 
@@ -48,7 +50,7 @@ fn a_carton_is_lifted_off_the_full_pallet_and_its_neighbours_stay() {
     assert!(
         cell.world
             .gripper()
-            .is_some_and(|gripper| gripper.vacuum_ok())
+            .is_some_and(depal_gripper::GripperState::vacuum_ok)
     );
     cell.go([x, y, top + 0.4], 0.8, 3.0, &MIDDLE);
     cell.stay(0.2, &MIDDLE);
@@ -118,10 +120,7 @@ fn lateral_limit(timestep: SimDuration) -> f64 {
         cell.go([0.0, 0.0, top + 0.3], 0.5, 2.0, &MIDDLE);
         cell.push(0.2, [*acceleration, 0.0, 0.0], 10.0, &MIDDLE);
         lost(&cell.events, id).is_none()
-            && (cell.place(id) - depal_frames::Vector::from(cell.tool))
-                .x
-                .abs()
-                < 0.05
+            && (cell.place(id) - Vector::from(cell.tool)).x.abs() < 0.05
     };
     let survived = tried.iter().take_while(|&a| holds(a));
     survived.copied().last().unwrap_or(0.0)
@@ -215,4 +214,105 @@ fn two_cartons_under_one_gripper_are_both_taken() {
         [(left, vec![0, 1]), (right, vec![2, 3])]
     );
     assert!(cell.height(left) > 0.5 && cell.height(right) > 0.5);
+}
+
+#[test]
+fn the_bellows_make_up_for_errors_of_height() {
+    // Lips reach 12 mm beyond the cup plane; deeper than the plane the flat cups push hard.
+    for (error, grips) in [(-0.004, true), (0.0, true), (0.009, true), (0.013, false)] {
+        let (mut cell, id) = Cell::one_carton(12.0);
+        cell.tool[2] += error;
+        cell.grip(&MIDDLE);
+        cell.push(0.4, [0.0, 0.0, 3.0], 0.8, &MIDDLE);
+        cell.stay(0.2, &MIDDLE);
+        assert_eq!(!started(&cell.events).is_empty(), grips, "{error} m");
+        assert_eq!(cell.height(id) > PALLET_HEIGHT + 0.3, grips, "{error} m");
+        let collided = cell
+            .events
+            .iter()
+            .any(|event| matches!(event, WorldEvent::Collision { .. }));
+        assert!(!collided, "{error} m: {:?}", cell.events);
+    }
+}
+
+#[test]
+fn forces_stay_calm_while_a_carton_is_held() {
+    // Light and heavy cartons under the most cups that fit: the springs must not ring.
+    for mass in [1.0, 8.0, 40.0] {
+        let (cell, id) = lift(mass, &MIDDLE);
+        let mut cell = cell;
+        cell.stay(0.5, &MIDDLE);
+        let mut highest = 0.0f64;
+        for _ in 0..50 {
+            cell.stay(0.004, &MIDDLE);
+            let state = cell.world.carton(id).expect("in the world");
+            highest = highest.max(state.linear_velocity.norm());
+        }
+        assert!(highest < 0.002, "{mass} kg still moves at {highest} m/s");
+        let load = cell
+            .world
+            .gripper()
+            .map_or(0.0, |gripper| gripper.load(id.0));
+        assert!(
+            (load - mass * 9.81).abs() < 0.02 * mass * 9.81 + 0.5,
+            "{load} N"
+        );
+    }
+}
+
+#[test]
+fn moving_evenly_loads_the_cups_with_the_weight_alone() {
+    // Tool and carton must be compared at the same instant: one step apart at 1.5 m/s they
+    // would differ by 6 mm, more than the whole load.
+    let (mut cell, id) = lift(20.0, &MIDDLE);
+    cell.push(0.5, [3.0, 0.0, 0.0], 1.5, &MIDDLE);
+    for _ in 0..50 {
+        cell.push(0.02, [0.0; 3], 1.5, &MIDDLE);
+        let load = cell
+            .world
+            .gripper()
+            .map_or(0.0, |gripper| gripper.load(id.0));
+        if cell.tool[0] > 1.2 {
+            assert!((load - 196.2).abs() < 8.0, "{load} N");
+        }
+    }
+    let behind = cell.place(id).x - cell.tool[0];
+    assert!(behind.abs() < 0.002, "{behind} m");
+}
+
+#[test]
+fn a_turning_tool_takes_the_carton_with_it() {
+    let (mut cell, id) = lift(12.0, &MIDDLE);
+    let start = cell
+        .world
+        .carton(id)
+        .expect("in the world")
+        .world_from_centre;
+    let centre = cell.tool;
+    let turned = |angle: f64, tilt: f64| {
+        let yaw = UnitQuaternion::from_axis_angle(&Vector::z_axis(), angle);
+        let lean = UnitQuaternion::from_axis_angle(&Vector::x_axis(), tilt);
+        let [x, y, z] = centre;
+        Pose::translation(x, y, z) * yaw * lean * down(0.0, 0.0, 0.0)
+    };
+    // A quarter turn and a lean of 20 degrees in 1.2 s, eased in and out.
+    for step in 1..=300 {
+        let t = f64::from(step) / 300.0;
+        let eased = t * t * (3.0 - 2.0 * t);
+        let tool = turned(eased * std::f64::consts::FRAC_PI_2, eased * 0.35);
+        cell.world.set_arm(&[], &tool);
+        cell.events.extend(cell.world.step(&MIDDLE));
+    }
+    for _ in 0..100 {
+        cell.events.extend(cell.world.step(&MIDDLE));
+    }
+    assert_eq!(lost(&cell.events, id), None);
+    let end = cell
+        .world
+        .carton(id)
+        .expect("in the world")
+        .world_from_centre;
+    let expected = turned(std::f64::consts::FRAC_PI_2, 0.35) * turned(0.0, 0.0).inverse() * start;
+    assert!(end.rotation.angle_to(&expected.rotation) < 0.02);
+    assert!((end.translation.vector - expected.translation.vector).norm() < 0.005);
 }
