@@ -182,6 +182,13 @@ pub(crate) fn corner_states(
     states
 }
 
+/// Why a way is not taken.
+pub(crate) enum Blocked {
+    Touches(Touch),
+    /// The carton would hang too far out of the vertical.
+    Leans,
+}
+
 /// Whether a joint way is free: vias, corners, then the stretches between, coarse to fine. `before` and `after` are where
 /// the straight moves beside it lead. `upright` limits the lean of the tool.
 pub(crate) fn touch_on_way(
@@ -189,28 +196,23 @@ pub(crate) fn touch_on_way(
     way: &[JointPositions],
     upright: Option<f64>,
     settings: &PlannerSettings,
-) -> Option<Option<Touch>> {
+) -> Result<(), Blocked> {
     let robot = check.robot;
     let tool = |q: &JointPositions| robot.arm.base_from_flange(q) * robot.gripper.flange_from_tcp;
     let leans = |q: &JointPositions| {
         upright.is_some_and(|limit| (tool(q).rotation * -Vector::z()).z < limit.cos())
     };
-    let bad = |q: &JointPositions| {
-        if leans(q) {
-            return Some(None);
-        }
-        check.touch(q).map(Some)
+    let test = |q: &JointPositions| match check.touch(q) {
+        _ if leans(q) => Err(Blocked::Leans),
+        Some(touch) => Err(Blocked::Touches(touch)),
+        None => Ok(()),
     };
-    if let Some(found) = way.iter().skip(1).find_map(bad) {
-        return Some(found);
-    }
+    way.iter().skip(1).try_for_each(test)?;
     for at in way.windows(3) {
         let corner = corner_states(tool, &at[0], &at[1], &at[2], settings.corner_zone);
-        if let Some(found) = corner.iter().find_map(bad) {
-            return Some(found);
-        }
+        corner.iter().try_for_each(test)?;
     }
     way.windows(2)
         .flat_map(|w| between(&w[0], &w[1], settings.check_step))
-        .find_map(|q| bad(&q))
+        .try_for_each(|q| test(&q))
 }

@@ -6,7 +6,7 @@ use crate::{
     certificate::certify,
     contact::Check,
     grasp::{Grasp, grasps},
-    path::{corner_states, touch_on_states, touch_on_way, vertical_line, ways},
+    path::{Blocked, corner_states, touch_on_states, touch_on_way, vertical_line, ways},
     refusal::{Refusal, RejectReason, Rejection, Stage, Touch},
     request::PlanRequest,
     suction::{along, loaded_percent, vertical_percent},
@@ -426,12 +426,12 @@ impl Planner<'_> {
         };
         for way in ways(self.request.arm, from, &to) {
             match touch_on_way(check, &way.points, upright, settings) {
-                Some(Some(touch)) => {
+                Err(Blocked::Touches(touch)) => {
                     farthest.note(touch);
                     continue;
                 }
-                Some(None) => continue,
-                None => {}
+                Err(Blocked::Leans) => continue,
+                Ok(()) => {}
             }
             let points = &way.points;
             let last = points.len() - 1;

@@ -591,7 +591,7 @@ fn a_tower_beside_the_box_shifts_the_gripper() {
 }
 
 #[test]
-#[ignore]
+#[ignore = "a load to be timed from outside"]
 fn timing_probe() {
     for _ in 0..10 {
         let mut cell = Cell::new();
