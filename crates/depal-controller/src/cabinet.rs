@@ -56,7 +56,7 @@ pub struct Cabinet {
     pub(crate) motion: MotionQueue,
     pub(crate) state: ControllerState,
     /// End of the last cycle.
-    pub(crate) now: SimTime,
+    pub(crate) cycle_end: SimTime,
     /// When the next statement begins.
     pub(crate) cursor: SimTime,
     /// Place of the last statement, and the one told last.
@@ -89,7 +89,7 @@ impl Cabinet {
             arm: spec.arm,
             statement_cost: spec.statement_cost,
             state: ControllerState::Idle,
-            now: SimTime::ZERO,
+            cycle_end: SimTime::ZERO,
             cursor: SimTime::ZERO,
             statement: None,
             statement_told: None,

@@ -51,7 +51,7 @@ impl Controller {
         }
         let cabinet = &mut self.cabinet;
         cabinet.motion.advance(now, end, &mut cabinet.fresh);
-        cabinet.now = end;
+        cabinet.cycle_end = end;
         cabinet.publish();
     }
 
@@ -83,7 +83,7 @@ impl Controller {
 
     /// Joint positions at the end of the last cycle, radians.
     pub fn commanded_joints(&self) -> JointPositions {
-        self.cabinet.motion.joints(self.cabinet.now)
+        self.cabinet.motion.joints(self.cabinet.cycle_end)
     }
 
     /// Joint positions at the end of all queued moves, radians.
@@ -93,7 +93,7 @@ impl Controller {
 
     /// Whether the arm stands and nothing is queued, at the end of the last cycle.
     pub fn is_standing(&self) -> bool {
-        self.cabinet.motion.is_standing(self.cabinet.now)
+        self.cabinet.motion.is_standing(self.cabinet.cycle_end)
     }
 
     /// Fly-by moves that became stops so far.
@@ -125,7 +125,7 @@ impl Controller {
 
     /// The cell sets an input, at the end of the last cycle; the task sees it in the next one.
     pub fn set_input(&mut self, name: &str, value: f64) -> Result<(), Fault> {
-        let at = self.cabinet.now;
+        let at = self.cabinet.cycle_end;
         if let Some(signal) = self.cabinet.signals.set(at, name, value, true)? {
             let name = signal.spec.name.clone();
             let edge = ControllerEvent::SignalEdge { at, name, value };
@@ -140,7 +140,7 @@ impl Controller {
         let cabinet = &mut self.cabinet;
         cabinet
             .motion
-            .supervise(cabinet.now, message, &mut cabinet.fresh);
+            .supervise(cabinet.cycle_end, message, &mut cabinet.fresh);
         cabinet.publish();
     }
 }

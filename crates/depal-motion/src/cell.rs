@@ -78,6 +78,7 @@ pub(crate) struct Cell {
     /// (their parameters differ in scale). Zero: the arm stands between the two.
     pub link: f64,
     pub at_from: Derivatives,
+    pub at_middle: Derivatives,
     pub at_to: Derivatives,
     pub law: Law,
 }
@@ -94,6 +95,7 @@ impl Cell {
         let inside = 0.5 * (from + to);
         Self {
             at_from: curve.derivatives(from, inside),
+            at_middle: curve.derivatives(inside, inside),
             at_to: curve.derivatives(to, inside),
             curve: Arc::clone(curve),
             limits: Arc::clone(limits),
@@ -111,10 +113,18 @@ impl Cell {
         self.to - self.from
     }
 
+    /// Derivatives of the present stretch.
+    fn measure(&mut self) {
+        let inside = 0.5 * (self.from + self.to);
+        self.at_from = self.curve.derivatives(self.from, inside);
+        self.at_middle = self.curve.derivatives(inside, inside);
+        self.at_to = self.curve.derivatives(self.to, inside);
+    }
+
     /// The same stretch, ending earlier.
     pub fn cut_at(mut self, to: f64) -> Self {
-        self.at_to = self.curve.derivatives(to, 0.5 * (self.from + to));
         self.to = to;
+        self.measure();
         self
     }
 
@@ -132,8 +142,8 @@ impl Cell {
         let mut before = self.clone().cut_at(at);
         before.law.duration = elapsed;
         let mut after = self.clone();
-        after.at_from = before.at_to;
         after.from = at;
+        after.measure();
         after.link = 1.0;
         after.law = Law {
             start: time,

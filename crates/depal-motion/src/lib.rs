@@ -8,7 +8,7 @@
 //! Law: the path is cut into cells with constant path acceleration; a backward pass finds the highest speed from
 //! which the arm can still obey everything ahead, a forward pass takes the highest acceleration
 //! (Pham and Pham, "A new approach to time-optimal path parameterization based on reachability analysis",
-//! IEEE T-RO 34(3), 2018, doi 10.1109/TRO.2018.2819195, with collocation at both ends of each cell).
+//! IEEE T-RO 34(3), 2018, doi 10.1109/TRO.2018.2819195, with collocation at three places of each cell).
 //!
 //! What it must never know: programs, signals, cartons, collisions.
 //!

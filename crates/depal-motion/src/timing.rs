@@ -2,7 +2,7 @@
 //!
 //! With `x` the squared rate of the parameter at the beginning of a cell of width `w` and `a` the constant
 //! acceleration of the parameter, a joint accelerates by `q' a + q'' x` at the beginning and by
-//! `q' a + q'' (x + 2 a w)` at the end: every limit is linear in `(a, x)`.
+//! `q' a + q'' (x + a w)` in the middle and by `q' a + q'' (x + 2 a w)` at the end: every limit is linear in `(a, x)`.
 
 use depal_frames::JointPositions;
 
@@ -11,8 +11,8 @@ use crate::cell::{Cell, Law};
 /// Coefficients below this do not limit the acceleration, only the speed.
 const FLAT: f64 = 1e-9;
 /// Relative excess of the given speed over the highest feasible one that still counts as feasible:
-/// the limits are held at the ends of cells, and a cell that was divided has new ends.
-const SLACK: f64 = 2e-3;
+/// the limits are held at three places of a cell, and a cell that was divided has new ones.
+const SLACK: f64 = 2e-4;
 
 /// `|a * of_a + x * of_x| <= limit`.
 #[derive(Clone, Copy)]
@@ -26,21 +26,18 @@ fn limits<'a>(
     cell: &'a Cell,
     acceleration: &'a JointPositions,
 ) -> impl Iterator<Item = Limit> + 'a {
-    let double_width = 2.0 * cell.width();
+    let width = cell.width();
     (0..acceleration.len()).flat_map(move |j| {
-        let (b, e) = (&cell.at_from, &cell.at_to);
         [
-            Limit {
-                of_a: b.first[j],
-                of_x: b.second[j],
-                limit: acceleration[j],
-            },
-            Limit {
-                of_a: e.first[j] + double_width * e.second[j],
-                of_x: e.second[j],
-                limit: acceleration[j],
-            },
+            (&cell.at_from, 0.0),
+            (&cell.at_middle, width),
+            (&cell.at_to, 2.0 * width),
         ]
+        .map(|(at, gain)| Limit {
+            of_a: at.first[j] + gain * at.second[j],
+            of_x: at.second[j],
+            limit: acceleration[j],
+        })
     })
 }
 

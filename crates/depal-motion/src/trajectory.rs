@@ -66,18 +66,16 @@ impl Trajectory {
             self.last = None;
             return Ok(id);
         };
-        let entry_link = match self.last.take() {
-            None => 0.0,
-            Some(last) => match self.blend(now, &last, id, &shape) {
-                Some(link) => link,
-                None => {
-                    if matches!(last.shape.zone, Zone::Fly { .. }) {
-                        self.corner_failures.push(last.id);
-                    }
-                    0.0
-                }
-            },
-        };
+        let last = self.last.take();
+        let blended = last
+            .as_ref()
+            .and_then(|last| self.blend(now, last, id, &shape));
+        if let (None, Some(last)) = (blended, &last)
+            && matches!(last.shape.zone, Zone::Fly { .. })
+        {
+            self.corner_failures.push(last.id);
+        }
+        let entry_link = blended.unwrap_or(0.0);
         if entry_link == 0.0 {
             let mut cells = Vec::new();
             push_cells(&mut cells, &shape, id, (0.0, 1.0), 0.0);
