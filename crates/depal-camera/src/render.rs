@@ -214,7 +214,7 @@ impl Scene<'_> {
             }
             let Surface { shape, kind, .. } = &self.seen[index as usize].surface;
             let albedo = self.albedo[index as usize];
-            let fixed = kind.constant_normal().map(|n| n.cast::<f32>());
+            let fixed = kind.constant_normal().map(nalgebra::Matrix::cast::<f32>);
             for u in run_start..at {
                 let w = inverse_depth[u];
                 let z = 1.0 / w;

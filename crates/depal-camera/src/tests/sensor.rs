@@ -10,7 +10,7 @@ fn shoot(spec: &CameraSpec, scene: &[RenderShape], seed: u64) -> Capture {
 /// Two rows of cartons with a gap of 3 mm, 0.2 m high on a slab, tops at 2 m.
 fn two_boxes(along_x: bool) -> Vec<RenderShape> {
     let (size, gap) = (0.3, 0.003);
-    let half = (size + gap) / 2.0;
+    let half = f64::midpoint(size, gap);
     let place = |id, s: f64| {
         let at = if along_x {
             [s, 0.0, 2.1]
@@ -375,7 +375,7 @@ fn range_limits_and_random_dropout() {
 #[test]
 fn the_seam_in_the_intensity_image_is_the_shadow_of_a_real_gap() {
     let seam = |gap: f64| {
-        let half = (0.3 + gap) / 2.0;
+        let half = f64::midpoint(0.3, gap);
         let scene = [
             solid(1, Shape::cuboid(0.3, 0.3, 0.2), [-half, 0.0, 2.1], [0.0; 3]),
             solid(2, Shape::cuboid(0.3, 0.3, 0.2), [half, 0.0, 2.1], [0.0; 3]),
