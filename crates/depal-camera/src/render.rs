@@ -1,4 +1,4 @@
-use depal_frames::{Intrinsics, Pose, Vector};
+use depal_frames::{Intrinsics, Pose};
 use rayon::prelude::*;
 
 use crate::raster::{EMPTY, Grid, Row, draw_row};
@@ -75,6 +75,9 @@ pub fn render(spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape
         seen: with_rows(&seen, &i),
         lit: with_rows(&lit, &i),
         albedo: &out.albedo_of_surface,
+        columns: (0..i.width)
+            .map(|u| ((u as f64 - i.cx) / i.fx) as f32)
+            .collect(),
     };
     let band = BAND * i.width;
     out.inverse_depth
@@ -123,6 +126,8 @@ struct Scene<'a> {
     seen: Vec<RowSurface>,
     lit: Vec<RowSurface>,
     albedo: &'a [f32],
+    /// X of the ray of each column.
+    columns: Vec<f32>,
 }
 
 impl Scene<'_> {
@@ -197,49 +202,78 @@ impl Scene<'_> {
         cos_light: &mut [f32],
         grey: &mut [f32],
     ) {
-        let baseline = self.spec.baseline;
-        let y = (v as f64 - self.grid.cy) / self.grid.fy;
-        let disparity = (self.grid.fx * baseline) as f32;
+        let y = ((v as f64 - self.grid.cy) / self.grid.fy) as f32;
+        let disparity = (self.grid.fx * self.spec.baseline) as f32;
         let sensor = &self.spec.sensor;
         let ambient = sensor.ambient as f32;
-        let reference = (sensor.exposure_distance * sensor.exposure_distance) as f32;
-        let mut at = 0;
-        while at < surface.len() {
-            let index = surface[at];
-            let run = surface[at..].iter().take_while(|s| **s == index).count();
-            let run_start = at;
-            at += run;
+        let beam = Beam {
+            baseline: self.spec.baseline as f32,
+            reference: (sensor.exposure_distance * sensor.exposure_distance) as f32,
+        };
+        let mut end = 0;
+        while end < surface.len() {
+            let index = surface[end];
+            let start = end;
+            end += surface[start..].iter().take_while(|s| **s == index).count();
             if index == EMPTY {
                 continue;
             }
             let Surface { shape, kind, .. } = &self.seen[index as usize].surface;
-            let albedo = self.albedo[index as usize];
-            let fixed = kind.constant_normal().map(nalgebra::Matrix::cast::<f32>);
-            for u in run_start..at {
-                let w = inverse_depth[u];
-                let z = 1.0 / w;
-                let x = (u as f32 - self.grid.cx as f32) / self.grid.fx as f32;
-                let ray = nalgebra::Vector3::new(x, y as f32, 1.0);
-                let point = ray * z;
-                let normal = fixed.unwrap_or_else(|| {
-                    let exact = Vector::new((u as f64 - self.grid.cx) / self.grid.fx, y, 1.0)
-                        / f64::from(w);
-                    kind.normal_at(&exact).cast::<f32>()
-                });
-                cos_view[u] = (-normal.dot(&ray) / ray.norm()).clamp(0.0, 1.0);
-                let to_light = nalgebra::Vector3::new(baseline as f32, 0.0, 0.0) - point;
-                let distance2 = to_light.norm_squared();
-                let facing = normal.dot(&to_light) / distance2.sqrt();
-                let reached = facing > 0.0
-                    && shadow
-                        .as_ref()
-                        .is_none_or(|s| s.reaches(u, disparity * w, w, *shape, &self.lit));
-                let light = if reached { facing.min(1.0) } else { 0.0 };
-                cos_light[u] = light;
-                let lamp = light * (reference / distance2);
-                grey[u] = 255.0 * albedo * (ambient + (1.0 - ambient) * lamp);
+            let run = inverse_depth[start..end]
+                .iter()
+                .zip(&self.columns[start..end])
+                .zip(&mut cos_view[start..end])
+                .zip(&mut cos_light[start..end])
+                .zip(&mut grey[start..end]);
+            // Grey holds the beam's strength until shadows are known.
+            if let Some(normal) = kind.constant_normal() {
+                let normal = normal.cast::<f32>();
+                for ((((w, x), view), light), strength) in run {
+                    (*view, *light, *strength) = beam.light(&normal, *x, y, 1.0 / *w);
+                }
+            } else {
+                for ((((w, x), view), light), strength) in run {
+                    let z = 1.0 / *w;
+                    let point = nalgebra::Vector3::new(*x, y, 1.0) * z;
+                    let normal = kind.normal_at(&point.cast::<f64>()).cast::<f32>();
+                    (*view, *light, *strength) = beam.light(&normal, *x, y, z);
+                }
+            }
+            if let Some(shadow) = &shadow {
+                for u in start..end {
+                    let w = inverse_depth[u];
+                    if !shadow.reaches(u, disparity * w, w, *shape, &self.lit) {
+                        cos_light[u] = 0.0;
+                    }
+                }
+            }
+            let white = 255.0 * self.albedo[index as usize];
+            for (value, light) in grey[start..end].iter_mut().zip(&cos_light[start..end]) {
+                *value = white * (ambient + (1.0 - ambient) * *light * *value);
             }
         }
+    }
+}
+
+/// The projector's light.
+struct Beam {
+    baseline: f32,
+    /// Square of the distance at which its strength is 1.
+    reference: f32,
+}
+
+impl Beam {
+    /// Cosines of the incidence to camera and projector (0 when turned away), and the beam's strength,
+    /// at the point of depth `z` on the ray (x, y, 1).
+    #[inline]
+    fn light(&self, normal: &nalgebra::Vector3<f32>, x: f32, y: f32, z: f32) -> (f32, f32, f32) {
+        let along = normal.x * x + normal.y * y + normal.z;
+        let view = -along / (x * x + y * y + 1.0).sqrt();
+        let to_x = self.baseline - x * z;
+        let distance2 = to_x * to_x + (y * y + 1.0) * z * z;
+        let facing = (normal.x * self.baseline - z * along) / distance2.sqrt();
+        let clip = |c: f32| c.clamp(0.0, 1.0);
+        (clip(view), clip(facing), self.reference / distance2)
     }
 }
 
