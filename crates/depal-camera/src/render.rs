@@ -32,6 +32,29 @@ pub struct Rendering {
 
 /// Draws the shapes from the camera and, if the sensor has shadows, from the projector.
 pub fn render(spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape]) -> Rendering {
+    let mut rendering = Rendering {
+        intrinsics: spec.intrinsics,
+        inverse_depth: Vec::new(),
+        surface: Vec::new(),
+        cos_view: Vec::new(),
+        cos_light: Vec::new(),
+        grey: Vec::new(),
+        albedo_of_surface: Vec::new(),
+        id_of_surface: Vec::new(),
+    };
+    rendering.redraw(spec, world_from_camera, shapes);
+    rendering
+}
+
+impl Rendering {
+    /// The same as [`render`] into the buffers of an earlier rendering, whatever it showed:
+    /// at 1.3 million pixels fetching new memory costs as much as drawing.
+    pub fn redraw(&mut self, spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape]) {
+        draw(self, spec, world_from_camera, shapes);
+    }
+}
+
+fn draw(out: &mut Rendering, spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape]) {
     let i = spec.intrinsics;
     let pixels = i.width * i.height;
     let camera_from_world = world_from_camera.inverse();
@@ -47,21 +70,25 @@ pub fn render(spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape
         }
     }
     let material = |s: &Surface| &shapes[s.shape as usize];
-    let mut out = Rendering {
-        intrinsics: i,
-        inverse_depth: vec![0.0; pixels],
-        surface: vec![EMPTY; pixels],
-        cos_view: vec![0.0; pixels],
-        cos_light: vec![0.0; pixels],
-        grey: vec![0.0; pixels],
-        albedo_of_surface: seen
-            .iter()
-            .map(|s| material(s).material.albedo as f32)
-            .collect(),
-        id_of_surface: seen.iter().map(|s| material(s).id).collect(),
-    };
+    out.intrinsics = i;
+    for buffer in [
+        &mut out.inverse_depth,
+        &mut out.cos_view,
+        &mut out.cos_light,
+        &mut out.grey,
+    ] {
+        buffer.clear();
+        buffer.resize(pixels, 0.0);
+    }
+    out.surface.clear();
+    out.surface.resize(pixels, EMPTY);
+    out.albedo_of_surface = seen
+        .iter()
+        .map(|s| material(s).material.albedo as f32)
+        .collect();
+    out.id_of_surface = seen.iter().map(|s| material(s).id).collect();
     if pixels == 0 {
-        return out;
+        return;
     }
     let scene = Scene {
         spec,
@@ -87,12 +114,18 @@ pub fn render(spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape
         .zip(out.cos_light.par_chunks_mut(band))
         .zip(out.grey.par_chunks_mut(band))
         .enumerate()
-        .for_each(
-            |(n, ((((inverse_depth, surface), cos_view), cos_light), grey))| {
-                scene.draw_band(n * BAND, inverse_depth, surface, cos_view, cos_light, grey);
-            },
-        );
-    out
+        .for_each_init(ProjectorBand::default, |projector, (n, band)| {
+            let ((((inverse_depth, surface), cos_view), cos_light), grey) = band;
+            scene.draw_band(
+                n * BAND,
+                projector,
+                inverse_depth,
+                surface,
+                cos_view,
+                cos_light,
+                grey,
+            );
+        });
 }
 
 /// A surface with the image rows that it can touch (last excluded).
@@ -134,6 +167,7 @@ impl Scene<'_> {
     fn draw_band(
         &self,
         first_row: usize,
+        projector: &mut ProjectorBand,
         inverse_depth: &mut [f32],
         surface: &mut [u32],
         cos_view: &mut [f32],
@@ -142,14 +176,13 @@ impl Scene<'_> {
     ) {
         let width = self.grid.width;
         draw_surfaces(&self.seen, &self.grid, first_row, inverse_depth, surface);
-        let shadow = self
-            .spec
-            .sensor
-            .shadow
-            .then(|| self.projector_band(first_row, inverse_depth));
+        let shadow = self.spec.sensor.shadow;
+        if shadow {
+            self.draw_projector_band(first_row, inverse_depth, projector);
+        }
         for (k, v) in (first_row..).take(inverse_depth.len() / width).enumerate() {
             let range = k * width..(k + 1) * width;
-            let shadow_row = shadow.as_ref().map(|s| s.row(k));
+            let shadow_row = shadow.then(|| projector.row(k));
             let drawn = (&inverse_depth[range.clone()], &surface[range.clone()]);
             self.light_row(
                 v,
@@ -164,7 +197,12 @@ impl Scene<'_> {
 
     /// The same rows from the projector: it stands on the camera's X axis, so rows correspond
     /// and a point at (u, z) lies in column u - fx * baseline / z.
-    fn projector_band(&self, first_row: usize, inverse_depth: &[f32]) -> ProjectorBand {
+    fn draw_projector_band(
+        &self,
+        first_row: usize,
+        inverse_depth: &[f32],
+        band: &mut ProjectorBand,
+    ) {
         let width = self.grid.width;
         let nearest = inverse_depth.iter().fold(0.0_f32, |a, b| a.max(*b));
         let reach =
@@ -177,12 +215,12 @@ impl Scene<'_> {
             ..self.grid
         };
         let pixels = inverse_depth.len() / width * grid.width;
-        let mut band = ProjectorBand {
-            width: grid.width,
-            left,
-            inverse_depth: vec![0.0; pixels],
-            surface: vec![EMPTY; pixels],
-        };
+        band.width = grid.width;
+        band.left = left;
+        band.inverse_depth.clear();
+        band.inverse_depth.resize(pixels, 0.0);
+        band.surface.clear();
+        band.surface.resize(pixels, EMPTY);
         draw_surfaces(
             &self.lit,
             &grid,
@@ -190,7 +228,6 @@ impl Scene<'_> {
             &mut band.inverse_depth,
             &mut band.surface,
         );
-        band
     }
 
     fn light_row(
@@ -297,6 +334,8 @@ fn draw_surfaces(
     }
 }
 
+/// The projector's picture of a band of rows; a worker's scratch memory.
+#[derive(Default)]
 struct ProjectorBand {
     width: usize,
     left: usize,

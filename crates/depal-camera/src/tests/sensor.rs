@@ -1,7 +1,7 @@
 use depal_frames::{Pose, Shape};
 
 use super::*;
-use crate::{CameraError, Capture, capture};
+use crate::{CameraError, Capture, capture, render, sense};
 
 fn shoot(spec: &CameraSpec, scene: &[RenderShape], seed: u64) -> Capture {
     capture(spec, &Pose::identity(), scene, seed)
@@ -419,4 +419,19 @@ fn nonsense_is_refused_with_its_name() {
     );
     spec.far = f64::NAN;
     assert!(spec.validate().is_err());
+}
+
+#[test]
+fn redrawing_into_used_buffers_is_the_same_as_a_fresh_picture() {
+    let small = camera(64, 48, SensorSpec::ideal());
+    let large = camera(160, 120, SensorSpec::laser_structured_light());
+    let at = Pose::identity();
+    let mut rendering = render(&large, &at, &[wall(5, 1.2)]);
+    for spec in [small, large] {
+        rendering.redraw(&spec, &at, &two_boxes(true));
+        assert_eq!(
+            sense(&spec, &rendering, 3),
+            shoot(&spec, &two_boxes(true), 3)
+        );
+    }
 }
