@@ -1,4 +1,5 @@
 //! One frame of a palletizing cell at 1280x1024 on one thread: rendering alone, sensor alone, both.
+#![allow(missing_docs)] // criterion's macro makes a public function
 
 use std::hint::black_box;
 
@@ -104,7 +105,8 @@ fn frame(c: &mut Criterion) {
         let mut rendering = render(spec, &world_from_camera, &scene);
         c.bench_function(name, |b| {
             b.iter(|| {
-                one_thread.install(|| rendering.redraw(spec, &world_from_camera, black_box(&scene)))
+                one_thread
+                    .install(|| rendering.redraw(spec, &world_from_camera, black_box(&scene)));
             });
         });
     }

@@ -71,16 +71,15 @@ fn draw(out: &mut Rendering, spec: &CameraSpec, world_from_camera: &Pose, shapes
     }
     let material = |s: &Surface| &shapes[s.shape as usize];
     out.intrinsics = i;
+    // What is left of an earlier picture is overwritten band by band, while it is in the cache.
     for buffer in [
         &mut out.inverse_depth,
         &mut out.cos_view,
         &mut out.cos_light,
         &mut out.grey,
     ] {
-        buffer.clear();
         buffer.resize(pixels, 0.0);
     }
-    out.surface.clear();
     out.surface.resize(pixels, EMPTY);
     out.albedo_of_surface = seen
         .iter()
@@ -175,6 +174,8 @@ impl Scene<'_> {
         grey: &mut [f32],
     ) {
         let width = self.grid.width;
+        inverse_depth.fill(0.0);
+        surface.fill(EMPTY);
         draw_surfaces(&self.seen, &self.grid, first_row, inverse_depth, surface);
         let shadow = self.spec.sensor.shadow;
         if shadow {
@@ -253,6 +254,9 @@ impl Scene<'_> {
             let start = end;
             end += surface[start..].iter().take_while(|s| **s == index).count();
             if index == EMPTY {
+                cos_view[start..end].fill(0.0);
+                cos_light[start..end].fill(0.0);
+                grey[start..end].fill(0.0);
                 continue;
             }
             let Surface { shape, kind, .. } = &self.seen[index as usize].surface;
