@@ -1,4 +1,4 @@
-use depal_frames::{Intrinsics, Pose, Vector};
+use depal_frames::{Intrinsics, Pose};
 use rayon::prelude::*;
 
 use crate::raster::{EMPTY, Grid, Row, draw_row};
@@ -32,6 +32,29 @@ pub struct Rendering {
 
 /// Draws the shapes from the camera and, if the sensor has shadows, from the projector.
 pub fn render(spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape]) -> Rendering {
+    let mut rendering = Rendering {
+        intrinsics: spec.intrinsics,
+        inverse_depth: Vec::new(),
+        surface: Vec::new(),
+        cos_view: Vec::new(),
+        cos_light: Vec::new(),
+        grey: Vec::new(),
+        albedo_of_surface: Vec::new(),
+        id_of_surface: Vec::new(),
+    };
+    rendering.redraw(spec, world_from_camera, shapes);
+    rendering
+}
+
+impl Rendering {
+    /// The same as [`render`] into the buffers of an earlier rendering, whatever it showed:
+    /// at 1.3 million pixels fetching new memory costs as much as drawing.
+    pub fn redraw(&mut self, spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape]) {
+        draw(self, spec, world_from_camera, shapes);
+    }
+}
+
+fn draw(out: &mut Rendering, spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape]) {
     let i = spec.intrinsics;
     let pixels = i.width * i.height;
     let camera_from_world = world_from_camera.inverse();
@@ -47,21 +70,24 @@ pub fn render(spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape
         }
     }
     let material = |s: &Surface| &shapes[s.shape as usize];
-    let mut out = Rendering {
-        intrinsics: i,
-        inverse_depth: vec![0.0; pixels],
-        surface: vec![EMPTY; pixels],
-        cos_view: vec![0.0; pixels],
-        cos_light: vec![0.0; pixels],
-        grey: vec![0.0; pixels],
-        albedo_of_surface: seen
-            .iter()
-            .map(|s| material(s).material.albedo as f32)
-            .collect(),
-        id_of_surface: seen.iter().map(|s| material(s).id).collect(),
-    };
+    out.intrinsics = i;
+    // What is left of an earlier picture is overwritten band by band, while it is in the cache.
+    for buffer in [
+        &mut out.inverse_depth,
+        &mut out.cos_view,
+        &mut out.cos_light,
+        &mut out.grey,
+    ] {
+        buffer.resize(pixels, 0.0);
+    }
+    out.surface.resize(pixels, EMPTY);
+    out.albedo_of_surface = seen
+        .iter()
+        .map(|s| material(s).material.albedo as f32)
+        .collect();
+    out.id_of_surface = seen.iter().map(|s| material(s).id).collect();
     if pixels == 0 {
-        return out;
+        return;
     }
     let scene = Scene {
         spec,
@@ -75,6 +101,9 @@ pub fn render(spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape
         seen: with_rows(&seen, &i),
         lit: with_rows(&lit, &i),
         albedo: &out.albedo_of_surface,
+        columns: (0..i.width)
+            .map(|u| ((u as f64 - i.cx) / i.fx) as f32)
+            .collect(),
     };
     let band = BAND * i.width;
     out.inverse_depth
@@ -84,12 +113,18 @@ pub fn render(spec: &CameraSpec, world_from_camera: &Pose, shapes: &[RenderShape
         .zip(out.cos_light.par_chunks_mut(band))
         .zip(out.grey.par_chunks_mut(band))
         .enumerate()
-        .for_each(
-            |(n, ((((inverse_depth, surface), cos_view), cos_light), grey))| {
-                scene.draw_band(n * BAND, inverse_depth, surface, cos_view, cos_light, grey);
-            },
-        );
-    out
+        .for_each_init(ProjectorBand::default, |projector, (n, band)| {
+            let ((((inverse_depth, surface), cos_view), cos_light), grey) = band;
+            scene.draw_band(
+                n * BAND,
+                projector,
+                inverse_depth,
+                surface,
+                cos_view,
+                cos_light,
+                grey,
+            );
+        });
 }
 
 /// A surface with the image rows that it can touch (last excluded).
@@ -123,12 +158,15 @@ struct Scene<'a> {
     seen: Vec<RowSurface>,
     lit: Vec<RowSurface>,
     albedo: &'a [f32],
+    /// X of the ray of each column.
+    columns: Vec<f32>,
 }
 
 impl Scene<'_> {
     fn draw_band(
         &self,
         first_row: usize,
+        projector: &mut ProjectorBand,
         inverse_depth: &mut [f32],
         surface: &mut [u32],
         cos_view: &mut [f32],
@@ -136,15 +174,16 @@ impl Scene<'_> {
         grey: &mut [f32],
     ) {
         let width = self.grid.width;
+        inverse_depth.fill(0.0);
+        surface.fill(EMPTY);
         draw_surfaces(&self.seen, &self.grid, first_row, inverse_depth, surface);
-        let shadow = self
-            .spec
-            .sensor
-            .shadow
-            .then(|| self.projector_band(first_row, inverse_depth));
+        let shadow = self.spec.sensor.shadow;
+        if shadow {
+            self.draw_projector_band(first_row, inverse_depth, projector);
+        }
         for (k, v) in (first_row..).take(inverse_depth.len() / width).enumerate() {
             let range = k * width..(k + 1) * width;
-            let shadow_row = shadow.as_ref().map(|s| s.row(k));
+            let shadow_row = shadow.then(|| projector.row(k));
             let drawn = (&inverse_depth[range.clone()], &surface[range.clone()]);
             self.light_row(
                 v,
@@ -159,7 +198,12 @@ impl Scene<'_> {
 
     /// The same rows from the projector: it stands on the camera's X axis, so rows correspond
     /// and a point at (u, z) lies in column u - fx * baseline / z.
-    fn projector_band(&self, first_row: usize, inverse_depth: &[f32]) -> ProjectorBand {
+    fn draw_projector_band(
+        &self,
+        first_row: usize,
+        inverse_depth: &[f32],
+        band: &mut ProjectorBand,
+    ) {
         let width = self.grid.width;
         let nearest = inverse_depth.iter().fold(0.0_f32, |a, b| a.max(*b));
         let reach =
@@ -172,12 +216,12 @@ impl Scene<'_> {
             ..self.grid
         };
         let pixels = inverse_depth.len() / width * grid.width;
-        let mut band = ProjectorBand {
-            width: grid.width,
-            left,
-            inverse_depth: vec![0.0; pixels],
-            surface: vec![EMPTY; pixels],
-        };
+        band.width = grid.width;
+        band.left = left;
+        band.inverse_depth.clear();
+        band.inverse_depth.resize(pixels, 0.0);
+        band.surface.clear();
+        band.surface.resize(pixels, EMPTY);
         draw_surfaces(
             &self.lit,
             &grid,
@@ -185,7 +229,6 @@ impl Scene<'_> {
             &mut band.inverse_depth,
             &mut band.surface,
         );
-        band
     }
 
     fn light_row(
@@ -197,49 +240,81 @@ impl Scene<'_> {
         cos_light: &mut [f32],
         grey: &mut [f32],
     ) {
-        let baseline = self.spec.baseline;
-        let y = (v as f64 - self.grid.cy) / self.grid.fy;
-        let disparity = (self.grid.fx * baseline) as f32;
+        let y = ((v as f64 - self.grid.cy) / self.grid.fy) as f32;
+        let disparity = (self.grid.fx * self.spec.baseline) as f32;
         let sensor = &self.spec.sensor;
         let ambient = sensor.ambient as f32;
-        let reference = (sensor.exposure_distance * sensor.exposure_distance) as f32;
-        let mut at = 0;
-        while at < surface.len() {
-            let index = surface[at];
-            let run = surface[at..].iter().take_while(|s| **s == index).count();
-            let run_start = at;
-            at += run;
+        let beam = Beam {
+            baseline: self.spec.baseline as f32,
+            reference: (sensor.exposure_distance * sensor.exposure_distance) as f32,
+        };
+        let mut end = 0;
+        while end < surface.len() {
+            let index = surface[end];
+            let start = end;
+            end += surface[start..].iter().take_while(|s| **s == index).count();
             if index == EMPTY {
+                cos_view[start..end].fill(0.0);
+                cos_light[start..end].fill(0.0);
+                grey[start..end].fill(0.0);
                 continue;
             }
             let Surface { shape, kind, .. } = &self.seen[index as usize].surface;
-            let albedo = self.albedo[index as usize];
-            let fixed = kind.constant_normal().map(|n| n.cast::<f32>());
-            for u in run_start..at {
-                let w = inverse_depth[u];
-                let z = 1.0 / w;
-                let x = (u as f32 - self.grid.cx as f32) / self.grid.fx as f32;
-                let ray = nalgebra::Vector3::new(x, y as f32, 1.0);
-                let point = ray * z;
-                let normal = fixed.unwrap_or_else(|| {
-                    let exact = Vector::new((u as f64 - self.grid.cx) / self.grid.fx, y, 1.0)
-                        / f64::from(w);
-                    kind.normal_at(&exact).cast::<f32>()
-                });
-                cos_view[u] = (-normal.dot(&ray) / ray.norm()).clamp(0.0, 1.0);
-                let to_light = nalgebra::Vector3::new(baseline as f32, 0.0, 0.0) - point;
-                let distance2 = to_light.norm_squared();
-                let facing = normal.dot(&to_light) / distance2.sqrt();
-                let reached = facing > 0.0
-                    && shadow
-                        .as_ref()
-                        .is_none_or(|s| s.reaches(u, disparity * w, w, *shape, &self.lit));
-                let light = if reached { facing.min(1.0) } else { 0.0 };
-                cos_light[u] = light;
-                let lamp = light * (reference / distance2);
-                grey[u] = 255.0 * albedo * (ambient + (1.0 - ambient) * lamp);
+            let run = inverse_depth[start..end]
+                .iter()
+                .zip(&self.columns[start..end])
+                .zip(&mut cos_view[start..end])
+                .zip(&mut cos_light[start..end])
+                .zip(&mut grey[start..end]);
+            // Grey holds the beam's strength until shadows are known.
+            if let Some(normal) = kind.constant_normal() {
+                let normal = normal.cast::<f32>();
+                for ((((w, x), view), light), strength) in run {
+                    (*view, *light, *strength) = beam.light(&normal, *x, y, 1.0 / *w);
+                }
+            } else {
+                for ((((w, x), view), light), strength) in run {
+                    let z = 1.0 / *w;
+                    let point = nalgebra::Vector3::new(*x, y, 1.0) * z;
+                    let normal = kind.normal_at(&point.cast::<f64>()).cast::<f32>();
+                    (*view, *light, *strength) = beam.light(&normal, *x, y, z);
+                }
+            }
+            if let Some(shadow) = &shadow {
+                for u in start..end {
+                    let w = inverse_depth[u];
+                    if !shadow.reaches(u, disparity * w, w, *shape, &self.lit) {
+                        cos_light[u] = 0.0;
+                    }
+                }
+            }
+            let white = 255.0 * self.albedo[index as usize];
+            for (value, light) in grey[start..end].iter_mut().zip(&cos_light[start..end]) {
+                *value = white * (ambient + (1.0 - ambient) * *light * *value);
             }
         }
+    }
+}
+
+/// The projector's light.
+struct Beam {
+    baseline: f32,
+    /// Square of the distance at which its strength is 1.
+    reference: f32,
+}
+
+impl Beam {
+    /// Cosines of the incidence to camera and projector (0 when turned away), and the beam's strength,
+    /// at the point of depth `z` on the ray (x, y, 1).
+    #[inline]
+    fn light(&self, normal: &nalgebra::Vector3<f32>, x: f32, y: f32, z: f32) -> (f32, f32, f32) {
+        let along = normal.x * x + normal.y * y + normal.z;
+        let view = -along / (x * x + y * y + 1.0).sqrt();
+        let to_x = self.baseline - x * z;
+        let distance2 = to_x * to_x + (y * y + 1.0) * z * z;
+        let facing = (normal.x * self.baseline - z * along) / distance2.sqrt();
+        let clip = |c: f32| c.clamp(0.0, 1.0);
+        (clip(view), clip(facing), self.reference / distance2)
     }
 }
 
@@ -263,6 +338,8 @@ fn draw_surfaces(
     }
 }
 
+/// The projector's picture of a band of rows; a worker's scratch memory.
+#[derive(Default)]
 struct ProjectorBand {
     width: usize,
     left: usize,

@@ -2,7 +2,9 @@ use depal_frames::DepthFrame;
 use rayon::prelude::*;
 
 use crate::capture::{Capture, NOTHING};
-use crate::noise::{Counter, SmoothNoise, normal, normal_table, uniform};
+use crate::noise::{
+    Counter, SmoothNoise, nearest_integer, normal, normal_table, step_table, steps, uniform,
+};
 use crate::raster::EMPTY;
 use crate::{CameraSpec, Rendering};
 
@@ -46,6 +48,7 @@ pub fn sense(spec: &CameraSpec, rendering: &Rendering, noise_seed: u64) -> Captu
         spec,
         rendering,
         table: normal_table(),
+        jitter: step_table(normal_table(), spec.sensor.lateral_jitter_px as f32),
         pixel_noise: Counter::new(noise_seed, 0),
         smooth: SmoothNoise::new(Counter::new(noise_seed, 1), spacing, i.width),
         bowl: Bowl::new(spec),
@@ -123,6 +126,7 @@ struct Sensor<'a> {
     spec: &'a CameraSpec,
     rendering: &'a Rendering,
     table: &'a [f32],
+    jitter: Vec<i8>,
     pixel_noise: Counter,
     smooth: SmoothNoise,
     bowl: Bowl,
@@ -134,7 +138,8 @@ impl Sensor<'_> {
         let s = &self.spec.sensor;
         let (width, height) = (r.intrinsics.width, r.intrinsics.height);
         let (near, far) = (self.spec.near as f32, self.spec.far as f32);
-        let jitter = s.lateral_jitter_px as f32;
+        let jitter = s.lateral_jitter_px > 0.0;
+        let steps_per_metre = 1.0 / s.quantum.max(1e-12);
         let (grazing_start, grazing_end) =
             (s.grazing_start.cos() as f32, s.grazing_end.cos() as f32);
         let grazing = s.grazing_end < std::f64::consts::FRAC_PI_2;
@@ -156,10 +161,10 @@ impl Sensor<'_> {
             let pixel = v * width + u;
             let first = self.pixel_noise.word(2 * pixel as u64);
             let second = self.pixel_noise.word(2 * pixel as u64 + 1);
-            let source = if jitter > 0.0 {
+            let source = if jitter {
                 let shift = |lane, at: usize, count: usize| {
-                    let step = (jitter * normal(self.table, first, lane)).round() as i32;
-                    (at as i32 + step).clamp(0, count as i32 - 1) as usize
+                    (at as i32 + steps(&self.jitter, first, lane)).clamp(0, count as i32 - 1)
+                        as usize
                 };
                 shift(1, v, height) * width + shift(0, u, width)
             } else {
@@ -211,7 +216,7 @@ impl Sensor<'_> {
             let sigma = base_sigma * z * z / cos_view.max(0.05) * weak;
             let measured = z * scale + self.bowl.at(u, v) + sigma * noise;
             *depth = if s.quantum > 0.0 {
-                ((f64::from(measured) / s.quantum).round() * s.quantum) as f32
+                (nearest_integer(f64::from(measured) * steps_per_metre) * s.quantum) as f32
             } else {
                 measured
             };
