@@ -35,11 +35,36 @@ const WITHIN_ROW: [(&str, &str); 1] = [("depal-motion", "depal-arm")];
 
 /// What a room must never know, whatever the rows allow.
 const FORBIDDEN: [(&str, &[&str]); 5] = [
-    ("depal-vision", &["depal-world", "depal-camera", "depal-cell", "depal-gripper"]),
-    ("depal-planner", &["depal-world", "depal-camera", "depal-cell"]),
-    ("depal-interface", &["depal-world", "depal-camera", "depal-vision", "depal-cell"]),
-    ("depal-rapid", &["depal-arm", "depal-motion", "depal-world", "depal-controller"]),
-    ("depal-vm", &["depal-arm", "depal-motion", "depal-world", "depal-controller"]),
+    (
+        "depal-vision",
+        &["depal-world", "depal-camera", "depal-cell", "depal-gripper"],
+    ),
+    (
+        "depal-planner",
+        &["depal-world", "depal-camera", "depal-cell"],
+    ),
+    (
+        "depal-interface",
+        &["depal-world", "depal-camera", "depal-vision", "depal-cell"],
+    ),
+    (
+        "depal-rapid",
+        &[
+            "depal-arm",
+            "depal-motion",
+            "depal-world",
+            "depal-controller",
+        ],
+    ),
+    (
+        "depal-vm",
+        &[
+            "depal-arm",
+            "depal-motion",
+            "depal-world",
+            "depal-controller",
+        ],
+    ),
 ];
 
 /// Large dependencies and the one crate that names each. The planner's collision checks share parry.
@@ -65,7 +90,11 @@ fn dependencies() -> BTreeMap<String, Vec<String>> {
         let Ok(manifest) = fs::read_to_string(folder.join("Cargo.toml")) else {
             continue;
         };
-        let name = folder.file_name().expect("a folder name").to_string_lossy().into_owned();
+        let name = folder
+            .file_name()
+            .expect("a folder name")
+            .to_string_lossy()
+            .into_owned();
         let names = manifest
             .lines()
             .skip_while(|line| line.trim() != "[dependencies]")
@@ -106,7 +135,10 @@ fn rooms_know_only_what_they_may() {
     let all = dependencies();
     for (name, forbidden) in FORBIDDEN {
         for dependency in reachable(&all, name) {
-            assert!(!forbidden.contains(&dependency.as_str()), "{name} reaches {dependency}");
+            assert!(
+                !forbidden.contains(&dependency.as_str()),
+                "{name} reaches {dependency}"
+            );
         }
     }
 }
@@ -142,10 +174,17 @@ fn every_scene_says_what_it_accepts() {
     let mut scenes = 0;
     for entry in fs::read_dir(root().join("scenes")).expect("scenes/ is there") {
         let path = entry.expect("readable entry").path();
-        if path.extension().is_some_and(|extension| extension == "toml") {
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "toml")
+        {
             scenes += 1;
             let text = fs::read_to_string(&path).expect("readable scene");
-            assert!(text.contains("[accept]"), "{} has no [accept]", path.display());
+            assert!(
+                text.contains("[accept]"),
+                "{} has no [accept]",
+                path.display()
+            );
         }
     }
     assert!(scenes > 0, "no scenes found");
@@ -160,16 +199,29 @@ fn no_absolute_paths_and_no_registry_hosts() {
         ["static.", "crates.io"].concat(),
         ["pypi.", "org"].concat(),
     ];
-    let mut open = vec![root().join("crates"), root().join("scenes"), root().join("assets"), root().join("urdf")];
+    let mut open = vec![
+        root().join("crates"),
+        root().join("scenes"),
+        root().join("assets"),
+        root().join("urdf"),
+    ];
     open.push(root().join("README.md"));
     let mut files = 0;
     while let Some(path) = open.pop() {
         if path.is_dir() {
-            open.extend(fs::read_dir(&path).expect("readable folder").map(|e| e.expect("entry").path()));
+            open.extend(
+                fs::read_dir(&path)
+                    .expect("readable folder")
+                    .map(|e| e.expect("entry").path()),
+            );
         } else if let Ok(text) = fs::read_to_string(&path) {
             files += 1;
             for needle in &needles {
-                assert!(!text.contains(needle.as_str()), "{} names {needle}", path.display());
+                assert!(
+                    !text.contains(needle.as_str()),
+                    "{} names {needle}",
+                    path.display()
+                );
             }
         }
     }

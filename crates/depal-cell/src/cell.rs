@@ -8,16 +8,16 @@ use depal_vm::execution::RobotTask;
 use depal_world::{VisibleKind, World, WorldEvent};
 
 use crate::digest::Digest;
+use crate::error::CellError;
 use crate::event::{Event, EventKind, FailureReason, round};
 use crate::gripper_io;
 use crate::link::Link;
 use crate::observer::{CartonView, CartonViewState, Observer, Snapshot};
 use crate::picks::PickKeeper;
+use crate::picture::Seen;
 use crate::score::{CartonFate, Score};
 use crate::spec::CellSpec;
 use crate::truth::TrueCarton;
-use crate::error::CellError;
-use crate::picture::Seen;
 use crate::vision_side::VisionSide;
 
 /// A snapshot goes to the observers every so many ticks: 25 a second.
@@ -240,7 +240,10 @@ impl Cell {
                 self.digest.add(joint.to_bits());
             }
             for section in 0..self.spec.gripper.sections.len() {
-                let vacuum = self.world.gripper().map_or(0.0, |g| g.section_vacuum(section));
+                let vacuum = self
+                    .world
+                    .gripper()
+                    .map_or(0.0, |g| g.section_vacuum(section));
                 self.digest.add(vacuum.to_bits());
             }
             self.digest.add(self.score.picks.len() as u64);
@@ -258,7 +261,10 @@ impl Cell {
     }
 
     fn score_tick(&mut self, valves: &[bool], world_events: &[WorldEvent]) {
-        let vacuum_ok = self.world.gripper().is_some_and(|gripper| gripper.vacuum_ok());
+        let vacuum_ok = self
+            .world
+            .gripper()
+            .is_some_and(|gripper| gripper.vacuum_ok());
         let input = self.spec.wiring.vacuum_ok.clone();
         self.controller
             .set_input(&input, f64::from(u8::from(vacuum_ok)))
@@ -371,7 +377,10 @@ impl Cell {
                 .dialogue_failure()
                 .unwrap_or(FailureReason::ProgramError),
             EndState::Finished if left == 0 => return None,
-            EndState::Finished => self.vision.last_failure().unwrap_or(FailureReason::NoDetection),
+            EndState::Finished => self
+                .vision
+                .last_failure()
+                .unwrap_or(FailureReason::NoDetection),
         };
         Some((reason, format!("{left} cartons left; {detail}")))
     }
@@ -390,7 +399,11 @@ impl Cell {
 
     /// Cartons that a camera could be asked to find: not held, not on the belt, not lost.
     fn pickable_cartons(&self) -> Vec<TrueCarton> {
-        let held = self.world.gripper().map(|g| g.held_cartons()).unwrap_or_default();
+        let held = self
+            .world
+            .gripper()
+            .map(|g| g.held_cartons())
+            .unwrap_or_default();
         self.world
             .cartons()
             .into_iter()
@@ -455,9 +468,8 @@ fn arm_poses(spec: &CellSpec, joints: &JointPositions) -> (Vec<Pose>, Pose) {
         .iter()
         .map(|base_from_link| spec.world_from_base * base_from_link)
         .collect();
-    let world_from_tcp = spec.world_from_base
-        * spec.arm.base_from_flange(joints)
-        * spec.gripper.flange_from_tcp;
+    let world_from_tcp =
+        spec.world_from_base * spec.arm.base_from_flange(joints) * spec.gripper.flange_from_tcp;
     (links, world_from_tcp)
 }
 

@@ -1,3 +1,5 @@
+//! Why a cell could not be built.
+
 use depal_controller::ControllerError;
 use depal_interface::InterfaceError;
 
@@ -15,7 +17,9 @@ pub enum CellError {
     #[error("viz: {0}")]
     Workflow(String),
     /// A signal of the gripper is not defined in the cabinet.
-    #[error("the gripper needs the signal {signal}, which the robot does not have; add it to robot.signal")]
+    #[error(
+        "the gripper needs the signal {signal}, which the robot does not have; add it to robot.signal"
+    )]
     Wiring {
         /// The signal.
         signal: String,

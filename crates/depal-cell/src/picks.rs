@@ -29,11 +29,6 @@ impl PickKeeper {
         self.collided
     }
 
-    /// Whether a carton has been on the belt.
-    pub(crate) fn has_touched_belt(&self, carton: u32) -> bool {
-        self.touched_belt.contains(&carton)
-    }
-
     /// Valves and vacuum switch of this tick. `target` is the carton that the current plan aims at.
     pub(crate) fn valves(
         &mut self,
@@ -113,7 +108,8 @@ impl PickKeeper {
             pick: pick.number,
             carton: pick.held,
             reason: failure.as_ref().map(|(reason, _)| *reason),
-            detail: failure.map_or_else(|| "delivered to the belt".to_owned(), |(_, detail)| detail),
+            detail: failure
+                .map_or_else(|| "delivered to the belt".to_owned(), |(_, detail)| detail),
             cycle_s: round(cycle.as_secs_f64(), 1e6),
         });
     }

@@ -44,8 +44,12 @@ pub(crate) fn take_picture(
     let noise_seed = RandomStreams::new(spec.seed)
         .stream(&format!("camera/{number}"))
         .next_u64();
-    let Capture { frame, ids, .. } =
-        capture(&spec.camera, &spec.world_from_camera, &seen.shapes, noise_seed);
+    let Capture { frame, ids, .. } = capture(
+        &spec.camera,
+        &spec.world_from_camera,
+        &seen.shapes,
+        noise_seed,
+    );
     let started = stopwatch();
     let detection = detect(&frame, &project.settings);
     score.vision_ms.push((stopwatch() - started) * 1e3);
@@ -91,7 +95,12 @@ pub(crate) fn take_picture(
         detections: world_from_boxes
             .iter()
             .zip(&detection.boxes)
-            .map(|(pose, found)| (*pose, [found.size.length, found.size.width, found.size.height]))
+            .map(|(pose, found)| {
+                (
+                    *pose,
+                    [found.size.length, found.size.width, found.size.height],
+                )
+            })
             .collect(),
         truth: wanted
             .iter()

@@ -2,9 +2,7 @@
 
 use depal_frames::{BoxSize, JointPositions};
 use depal_interface::{Motion, PathPoint, Status, VisionMoveData, VizPath};
-use depal_planner::{
-    PickPlan, PlanRequest, Refusal, RejectReason, SeenBox, plan_pick,
-};
+use depal_planner::{PickPlan, PlanRequest, Refusal, RejectReason, SeenBox, plan_pick};
 
 use crate::event::{EventKind, FailureReason, LoggedPose, LoggedWaypoint, round};
 use crate::picture::Picture;
@@ -75,8 +73,11 @@ pub(crate) fn plan(
     match planned {
         Ok(plan) => {
             let clearance = plan.min_clearance * 1e3;
-            score.min_clearance_mm =
-                Some(score.min_clearance_mm.map_or(clearance, |least| least.min(clearance)));
+            score.min_clearance_mm = Some(
+                score
+                    .min_clearance_mm
+                    .map_or(clearance, |least| least.min(clearance)),
+            );
             events.push(plan_event(spec, &plan));
             let label = picture.detection.boxes[plan.box_index].label as i32;
             Planned::Path {

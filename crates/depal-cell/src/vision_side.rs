@@ -32,7 +32,10 @@ enum Owner {
 /// Work whose simulated time runs.
 enum Work {
     /// The shutter opens at its due time.
-    Exposure { owner: Owner, project: VisionProject },
+    Exposure {
+        owner: Owner,
+        project: VisionProject,
+    },
     /// The poses are there at their due time.
     Poses { owner: Owner, picture: Picture },
     /// The path is there at its due time.
@@ -280,8 +283,8 @@ impl VisionSide {
             }
             Ask::Failed(failure) => {
                 self.viz = None;
-                let status = Status::from_code(failure.status_code())
-                    .unwrap_or(Status::VizRuntimeError);
+                let status =
+                    Status::from_code(failure.status_code()).unwrap_or(Status::VizRuntimeError);
                 self.server.finish_viz(now, job_id, Err(status));
             }
         }

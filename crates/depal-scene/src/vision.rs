@@ -1,7 +1,9 @@
 //! The projects that a vision server has been given.
 
 use crate::reader::{Checker, section};
-use crate::rules::{COORDINATE_MM, Maybe, LENGTH_MM, ListOf, Numbers, OneOrMore, Text, choice, one_of, table, whole};
+use crate::rules::{
+    COORDINATE_MM, LENGTH_MM, ListOf, Maybe, Numbers, OneOrMore, Text, choice, one_of, table, whole,
+};
 
 choice! {
     /// What a vision project answers with.

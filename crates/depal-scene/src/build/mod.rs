@@ -80,6 +80,21 @@ impl Scene {
     /// # Errors
     /// See [`BuildError`]; nothing is half built.
     pub fn build(&self) -> Result<Built, BuildError> {
+        let spec = self.cell_spec()?;
+        let program = load_program(&self.robot)?;
+        Ok(Built {
+            spec,
+            task: program.task,
+            sources: program.sources,
+            warnings: program.warnings,
+        })
+    }
+
+    /// The cell alone, without its robot program.
+    ///
+    /// # Errors
+    /// See [`BuildError`].
+    pub fn cell_spec(&self) -> Result<CellSpec, BuildError> {
         let robot = &self.robot;
         let accelerations: Vec<f64> = robot
             .acceleration_deg_s2
@@ -113,7 +128,6 @@ impl Scene {
                 ),
             });
         }
-        let program = load_program(robot)?;
         let mut controller = ControllerSpec::new("rob1", Arc::clone(&arm), start);
         controller.signals = robot.signal.iter().map(signal).collect();
         controller.statement_cost = SimDuration::from_nanos((robot.statement_cost_us * 1e3) as u64);
@@ -123,7 +137,7 @@ impl Scene {
         let world_from_camera = self.camera.world_from_camera();
         let base_from_camera = base_from_world * world_from_camera;
         let to_base = |shape: &PlacedShape| shape.moved(&base_from_world);
-        let spec = CellSpec {
+        Ok(CellSpec {
             scene: self.name.clone(),
             seed: self.seed,
             world_from_base,
@@ -163,12 +177,6 @@ impl Scene {
             },
             time_limit: SimDuration::from_secs_f64(self.run.max_sim_s),
             arm,
-        };
-        Ok(Built {
-            spec,
-            task: program.task,
-            sources: program.sources,
-            warnings: program.warnings,
         })
     }
 

@@ -62,7 +62,14 @@ pub(super) fn pallet_boards(pallet: &Pallet) -> Vec<PlacedShape> {
     for along in [-end, 0.0, end] {
         add(0.0, along, level(100.0), level(122.0), short, depth(145.0));
         for (across, wide) in [(-outer, 100.0), (0.0, 145.0), (outer, 100.0)] {
-            add(across, along, level(22.0), level(100.0), width(wide), depth(145.0));
+            add(
+                across,
+                along,
+                level(22.0),
+                level(100.0),
+                width(wide),
+                depth(145.0),
+            );
         }
     }
     for (across, wide) in [(-outer, 100.0), (0.0, 145.0), (outer, 100.0)] {
@@ -99,8 +106,8 @@ fn conveyor_legs(conveyor: &Conveyor) -> Vec<PlacedShape> {
     let mut legs = Vec::new();
     for x in [-0.4, 0.4] {
         for y in [-0.4, 0.4] {
-            let pose = world_from_top
-                * Pose::translation(x * size.x, y * size.y, -size.z - 0.5 * height);
+            let pose =
+                world_from_top * Pose::translation(x * size.x, y * size.y, -size.z - 0.5 * height);
             legs.push(PlacedShape::cuboid(pose, Vector::new(0.08, 0.08, height)));
         }
     }
@@ -124,7 +131,8 @@ pub(super) fn fixed_bodies(scene: &Scene) -> Vec<FixedBody> {
 pub(super) fn known_obstacles(scene: &Scene) -> Vec<PlacedShape> {
     let pallet = &scene.pallet;
     let size = Vector::from(pallet.size_mm) * 1e-3;
-    let block = pose_mm_yaw(pallet.xyz_mm, pallet.yaw_deg) * Pose::translation(0.0, 0.0, 0.5 * size.z);
+    let block =
+        pose_mm_yaw(pallet.xyz_mm, pallet.yaw_deg) * Pose::translation(0.0, 0.0, 0.5 * size.z);
     let belt_size = Vector::from(scene.conveyor.size_mm) * 1e-3;
     let world_from_top = pose_mm_yaw(scene.conveyor.xyz_mm, scene.conveyor.yaw_deg);
     let height = world_from_top.translation.z;

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use depal_cell::spec::VisionProject;
-use depal_frames::{BoxSize, EulerConvention, Pose, Vector};
+use depal_frames::{BoxSize, EulerConvention, JointPositions, Pose, Vector};
 use depal_interface::{
     BranchStep, Encoding, OutputPort, PortSettings, Profile, ServerSettings,
     VisionProject as ServedProject, VizProject,
 };
 use depal_time::SimDuration;
 use depal_vision::{RegionOfInterest, VisionSettings};
-use depal_workflow::Project;
+use depal_workflow::{FixedPoint, MoveMotion, Place, Project, Step, StepKind};
 
 use super::{BuildError, solids};
 use crate::interface::{RobotBrand, WireEncoding};
@@ -61,10 +61,7 @@ pub(super) fn projects(
 /// Where a project looks for cartons: its own region, or the air above the pallet.
 fn region(scene: &Scene, project: &SceneProject, camera_from_world: &Pose) -> RegionOfInterest {
     let (world_from_region, size) = match (project.region_xyz_mm, project.region_size_mm) {
-        (Some(centre), Some(size)) => (
-            solids::pose_mm_yaw(centre, 0.0),
-            Vector::from(size) * 1e-3,
-        ),
+        (Some(centre), Some(size)) => (solids::pose_mm_yaw(centre, 0.0), Vector::from(size) * 1e-3),
         _ => {
             let pallet = &scene.pallet;
             let deck = pallet.size_mm[2] * 1e-3;
@@ -75,7 +72,10 @@ fn region(scene: &Scene, project: &SceneProject, camera_from_world: &Pose) -> Re
             );
             let middle = deck - REGION_BELOW + 0.5 * size.z;
             let world_from_pallet = solids::pose_mm_yaw(pallet.xyz_mm, pallet.yaw_deg);
-            (world_from_pallet * Pose::translation(0.0, 0.0, middle), size)
+            (
+                world_from_pallet * Pose::translation(0.0, 0.0, middle),
+                size,
+            )
         }
     };
     RegionOfInterest {
@@ -110,13 +110,17 @@ pub(super) fn server(scene: &Scene) -> ServerSettings {
         recipes: project.recipes.iter().map(|r| i32::from(r.id)).collect(),
         output: OutputPort::Poses,
     });
-    let branches = scene.viz.steps.iter().filter_map(|step| match &step.action {
-        VizAction::BranchByMsg(branch) => Some(BranchStep {
-            step: i32::from(step.id),
-            exits: branch.exits.len() as i32,
-        }),
-        _ => None,
-    });
+    let branches = scene
+        .viz
+        .steps
+        .iter()
+        .filter_map(|step| match &step.action {
+            VizAction::BranchByMsg(branch) => Some(BranchStep {
+                step: i32::from(step.id),
+                exits: branch.exits.len() as i32,
+            }),
+            _ => None,
+        });
     ServerSettings {
         ports: vec![port],
         projects: projects.collect(),
@@ -124,4 +128,66 @@ pub(super) fn server(scene: &Scene) -> ServerSettings {
             branches: branches.collect(),
         }),
     }
+}
+
+/// The planning project. Steps whose kind is not simulated yet are refused by name.
+pub(super) fn workflow(scene: &Scene) -> Result<Project, BuildError> {
+    let mut steps = Vec::new();
+    let mut holds_carton = false;
+    for step in &scene.viz.steps {
+        let unsupported = |what: &str| BuildError::Unsupported {
+            key: format!("viz step {}", step.id),
+            what: what.to_owned(),
+        };
+        let kind = match &step.action {
+            VizAction::VisualRecognition(recognition) if recognition.reuse_vision_result => {
+                return Err(unsupported("reuse_vision_result"));
+            }
+            VizAction::VisualRecognition(recognition) => StepKind::VisualRecognition {
+                project: i32::from(recognition.project),
+            },
+            VizAction::VisionMove(vision_move) if vision_move.plan_all_vision_results => {
+                return Err(unsupported("plan_all_vision_results"));
+            }
+            VizAction::VisionMove(vision_move) if !vision_move.sections => {
+                return Err(unsupported("a vision_move without sections"));
+            }
+            VizAction::VisionMove(_) => {
+                holds_carton = true;
+                StepKind::VisionMove {
+                    uses_sections: true,
+                }
+            }
+            VizAction::PalletPattern(_) => {
+                holds_carton = false;
+                StepKind::PalletPattern {
+                    place: Place::Conveyor,
+                }
+            }
+            VizAction::FixedPointMove(_) if holds_carton => {
+                return Err(unsupported("a fixed_point_move between pick and place"));
+            }
+            VizAction::FixedPointMove(point) => StepKind::FixedPointMove(FixedPoint {
+                joints: JointPositions::from_degrees(&point.joints_deg),
+                motion: MoveMotion::Joint,
+                velocity_percent: 100.0,
+            }),
+            VizAction::BranchByMsg(branch) => StepKind::BranchByMsg {
+                exits: branch.exits.iter().map(|exit| i32::from(*exit)).collect(),
+            },
+            VizAction::RelativeMove(_) => return Err(unsupported("relative_move")),
+            VizAction::MoveByList(_) => return Err(unsupported("move_by_list")),
+            VizAction::ExternalMove(_) => return Err(unsupported("external_move")),
+            VizAction::SetDo(_) => return Err(unsupported("set_do")),
+            VizAction::Notify(_) => return Err(unsupported("notify")),
+        };
+        steps.push(Step::new(i32::from(step.id), kind));
+    }
+    if holds_carton {
+        return Err(BuildError::Unsupported {
+            key: "viz.steps".to_owned(),
+            what: "a vision_move without a pallet_pattern behind it".to_owned(),
+        });
+    }
+    Ok(Project::new(steps))
 }
