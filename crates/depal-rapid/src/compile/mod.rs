@@ -8,3 +8,4 @@ mod statement;
 pub(crate) mod types;
 
 pub(crate) use declare::compile;
+pub(crate) use scope::Callee;
