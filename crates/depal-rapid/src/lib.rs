@@ -1,1 +1,44 @@
 //! ABB RAPID: lexer, parser, checks, lowering and built-ins.
+//!
+//! [`load`] turns the modules of one task into a [`Program`](depal_vm::Program) for the
+//! [`Machine`](depal_vm::Machine); [`check`] does the same without knowing the signals of a cabinet.
+//! All errors of all files come at once, as [`Diagnostic`](depal_vm::Diagnostic)s with their places.
+//!
+//! It must never know: the arm, the world, the vision server, files, sockets of the operating system.
+//! Programs reach the cabinet through [`System`](depal_vm::system::System) only.
+//!
+//! ```
+//! use depal_vm::SourceFile;
+//!
+//! let source = SourceFile::new("demo.mod", r#"
+//! MODULE demo
+//!   PROC main()
+//!     TPWrite "hello";
+//!   ENDPROC
+//! ENDMODULE
+//! "#);
+//! let loaded = depal_rapid::load(&[source], &[], "main");
+//! assert!(loaded.diagnostics.is_empty());
+//! assert!(loaded.program.is_some());
+//! ```
+//!
+//! Units: RAPID data hold millimetres, degrees and seconds; the built-ins convert to metres, radians and
+//! simulated time where they call the cabinet. Quaternions are `q1` (the scalar) to `q4`.
+//! num is a 32-bit float, dnum a 64-bit float; geometry is computed in f64 and stored as num.
+//!
+//! Limitations: one task; no interrupts, UNDO, late binding; of two inverse solutions the nearest is taken
+//! whatever the configuration data of a target say (as with ConfL and ConfJ off); external axes, stationary
+//! tools and coordinated work objects are refused. `built_in_names` lists what is there.
+//!
+//! Not affiliated with any vendor; RAPID is a language of ABB.
+
+mod builtins;
+mod compile;
+mod errors;
+mod loading;
+mod rules;
+mod syntax;
+
+pub use builtins::built_in_names;
+pub use compile::types::SignalKind;
+pub use loading::{Loaded, SignalDefinition, check, load};

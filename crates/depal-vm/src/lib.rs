@@ -1,4 +1,61 @@
 //! Spans, diagnostics, values and one stackless virtual machine for robot languages.
+//!
+//! A language crate turns text into a [`Program`]: routines of flat [`Op`]s, initial values, a table of
+//! [`Builtin`]s and [`LanguageRules`]. A [`Machine`] runs it one statement at a time against a
+//! [`System`](system::System). Everything the machine knows is plain data in [`Memory`] and can be cloned
+//! in the middle of any statement: there are no native stacks, futures or pointers in it.
+//!
+//! It must never know: a particular language, the arm, the world, sockets of the operating system, files,
+//! the wall clock.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use depal_vm::{BinaryOp, LanguageRules, Op, Program, Routine, Value};
+//!
+//! let main = Routine {
+//!     name: "main".into(),
+//!     module: "demo".into(),
+//!     code: vec![
+//!         Op::Push(Value::Num(1.0)),
+//!         Op::Push(Value::Num(2.0)),
+//!         Op::Binary(BinaryOp::Add),
+//!         Op::StoreGlobal(0),
+//!         Op::Return { value: false },
+//!     ],
+//!     ..Routine::default()
+//! };
+//! let program = Program { routines: vec![main], globals: vec![Value::Num(0.0)], ..Program::default() };
+//! let machine = depal_vm::Machine::new(Arc::new(program), "T_ROB1");
+//! assert_eq!(machine.memory().globals[0], Value::Num(0.0));
+//! # let _ = LanguageRules::default();
+//! ```
+//!
+//! Units: times are simulated times; numbers wear the units of their language (millimetres and degrees in
+//! most), the built-ins of the language crate convert to SI at the [`System`](system::System) border.
+//!
+//! Limitations: one task, no interrupts yet; a statement is the smallest step.
 
+mod builtin;
+mod diagnostic;
+mod error;
 pub mod execution;
+mod machine;
+mod memory;
+mod operators;
+mod program;
+mod span;
 pub mod system;
+mod value;
+
+pub use builtin::{Builtin, BuiltinFn, CallContext, Outcome};
+pub use diagnostic::{Diagnostic, Label, Severity};
+pub use error::{MachineFault, RaisedError};
+pub use machine::Machine;
+pub use memory::{Frame, Memory};
+pub use operators::{BinaryOp, UnaryOp};
+pub use program::{ErrorHandler, LanguageRules, Op, Program, Routine};
+pub use span::{LineColumn, SourceFile, Span};
+pub use value::{ClockState, RAW_BYTES_LIMIT, RawBytes, Reference, Root, Value};
+
+#[cfg(test)]
+mod tests;

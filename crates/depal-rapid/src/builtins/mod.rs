@@ -1,0 +1,16 @@
+//! Instructions and functions of the controller, by theme. Each is a heading in RAPID and its code.
+
+mod geometry;
+mod io;
+mod maths;
+mod messages;
+mod motion;
+mod rawbytes;
+mod records;
+mod socket;
+mod strings;
+mod table;
+mod timing;
+
+pub use table::built_in_names;
+pub(crate) use table::{Table, refused};

@@ -1,0 +1,127 @@
+use depal_vm::{Builtin, BuiltinFn};
+
+use super::{geometry, io, maths, messages, motion, rawbytes, socket, strings, timing};
+use crate::syntax::parser::parse_heading;
+use crate::syntax::tree::Routine;
+
+use crate::compile::Callee;
+
+/// A heading in RAPID and the code behind it.
+pub(super) type Entry = (&'static str, BuiltinFn);
+
+/// Instructions that the lowering knows itself.
+const LOWERED: [(&str, Callee); 2] = [
+    (
+        "PROC WaitUntil(\\switch InPos | switch ZeroSpeed, bool Cond \\num MaxTime \\INOUT bool TimeFlag \\num PollRate)",
+        Callee::WaitUntil,
+    ),
+    ("PROC ResetRetryCount()", Callee::ResetRetryCount),
+];
+
+/// Names of the controller that are known and refused with a clear message.
+const REFUSED: [&str; 92] = [
+    "MoveC", "MoveLDO", "MoveJDO", "MoveCDO", "MoveLSync", "MoveJSync", "MoveCSync", "MoveExtJ", "TriggL", "TriggJ", "TriggC",
+    "TriggIO", "TriggEquip", "TriggInt", "SearchL", "SearchC", "SearchExtJ", "StopMove", "StartMove",
+    "ClearPath", "StorePath", "RestoPath", "StepBwdPath", "PulseDO", "InvertDO", "WaitAI", "WaitAO",
+    "AliasIO", "IODisable", "IOEnable", "ISignalDI", "ISignalDO", "ISignalGI", "ISignalGO",
+    "ITimer", "IPers", "IError", "IDelete", "IDisable", "IEnable", "ISleep", "IWatch", "IPathPos",
+    "SocketBind", "SocketListen", "SocketAccept", "SocketSendTo", "SocketReceiveFrom", "SocketPeek",
+    "Open", "Close", "Write", "WriteBin", "WriteStrBin", "WriteAnyBin", "WriteRawBytes",
+    "ReadRawBytes", "ReadStr", "ReadNum", "ReadBin", "ReadStrBin", "ReadAnyBin", "Rewind",
+    "ClearIOBuff", "UIMsgBox", "UIMessageBox", "UINumEntry", "UINumTune", "UIAlphaEntry",
+    "UIListView", "UIShow", "TPReadFK", "TPReadNum", "TPReadDnum", "TPShow", "WaitSyncTask",
+    "SyncMoveOn", "SyncMoveOff", "WaitTestAndSet", "TestAndSet", "Load", "UnLoad", "StartLoad",
+    "WaitLoad", "SoftAct", "SoftDeact", "EOffsSet", "EOffsOn", "EOffsOff", "PDispSet", "PDispOn",
+    "CallByVar",
+];
+
+/// The spelling of a known name that is not simulated.
+pub(crate) fn refused(name: &str) -> Option<&'static str> {
+    REFUSED
+        .iter()
+        .find(|known| known.eq_ignore_ascii_case(name))
+        .copied()
+}
+
+/// Names of all instructions and functions that run here.
+pub fn built_in_names() -> Vec<&'static str> {
+    let mut names: Vec<_> = entries().iter().map(|(heading, _)| name_of(heading)).collect();
+    names.extend(LOWERED.iter().map(|(heading, _)| name_of(heading)));
+    names.push("Present");
+    names.sort_unstable();
+    names
+}
+
+fn entries() -> Vec<Entry> {
+    let themes: [&[Entry]; 9] = [
+        &motion::ENTRIES,
+        &geometry::ENTRIES,
+        &io::ENTRIES,
+        &timing::ENTRIES,
+        &messages::ENTRIES,
+        &socket::ENTRIES,
+        &rawbytes::ENTRIES,
+        &strings::ENTRIES,
+        &maths::ENTRIES,
+    ];
+    themes.concat()
+}
+
+/// The name in a heading.
+fn name_of(heading: &'static str) -> &'static str {
+    let before = heading.split('(').next().unwrap_or_default();
+    before.rsplit(' ').next().unwrap_or_default()
+}
+
+/// All built-ins, with their headings read.
+pub(crate) struct Table {
+    headings: Vec<(Routine, Callee)>,
+    builtins: Vec<Builtin>,
+    operators: Vec<(&'static str, u32)>,
+}
+
+impl Table {
+    pub(crate) fn new() -> Self {
+        let mut table = Self {
+            headings: Vec::new(),
+            builtins: Vec::new(),
+            operators: Vec::new(),
+        };
+        for (heading, run) in entries() {
+            let routine = parse_heading(heading)
+                .unwrap_or_else(|| unreachable!("the heading of a built-in reads: {heading}"));
+            let index = table.builtins.len() as u32;
+            table.builtins.push(Builtin {
+                name: name_of(heading),
+                run,
+            });
+            table.headings.push((routine, Callee::Builtin(index)));
+        }
+        for (heading, callee) in LOWERED {
+            let routine = parse_heading(heading)
+                .unwrap_or_else(|| unreachable!("the heading of a built-in reads: {heading}"));
+            table.headings.push((routine, callee));
+        }
+        for (name, run) in geometry::OPERATORS.iter().chain(&timing::OPERATORS) {
+            table.operators.push((name, table.builtins.len() as u32));
+            table.builtins.push(Builtin { name, run: *run });
+        }
+        table
+    }
+
+    pub(crate) fn headings(&self) -> impl Iterator<Item = (&Routine, Callee)> {
+        self.headings.iter().map(|(routine, callee)| (routine, *callee))
+    }
+
+    pub(crate) fn builtins(&self) -> Vec<Builtin> {
+        self.builtins.clone()
+    }
+
+    /// A built-in without a heading: `pos + pos`.
+    pub(crate) fn operator(&self, name: &str) -> Option<u32> {
+        self.operators
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, index)| *index)
+    }
+}

@@ -1,0 +1,85 @@
+use depal_vm::system::Fault;
+use depal_vm::{MachineFault, RaisedError};
+
+/// Names of errors that programs compare ERRNO with. The numbers are ours: programs use the names;
+/// 1 to 90 belong to the user.
+pub(crate) const ERRORS: [(&str, i64); 36] = [
+    ("ERR_DIVZERO", 1001),
+    ("ERR_OUTOFBND", 1002),
+    ("ERR_STRTOOLNG", 1003),
+    ("ERR_NOTPRES", 1004),
+    ("ERR_EXCRTYMAX", 1005),
+    ("ERR_ARGVALERR", 1006),
+    ("ERR_RECURSION", 1007),
+    ("ERR_NORETURN", 1008),
+    ("ERR_ILLDIM", 1009),
+    ("ERR_REFUNKPRC", 1010),
+    ("ERR_INVDIM", 1011),
+    ("ERR_NEGARG", 1012),
+    ("ERR_SOCK_CLOSED", 1101),
+    ("ERR_SOCK_TIMEOUT", 1102),
+    ("ERR_SOCK_NOT_CONN", 1103),
+    ("ERR_SOCK_IS_CONNECTED", 1104),
+    ("ERR_SOCK_ADDR_INUSE", 1105),
+    ("ERR_SOCK_ADDR_INVALID", 1106),
+    ("ERR_SOCK_NET_UNREACH", 1107),
+    ("ERR_SOCK_UNSPEC", 1108),
+    ("ERR_ROBLIMIT", 1201),
+    ("ERR_MOTIONSUP", 1202),
+    ("ERR_OUTSIDE_REACH", 1203),
+    ("ERR_COLL_STOP", 1204),
+    ("ERR_PATH_STOP", 1205),
+    ("ERR_ORIENT_VALUE", 1206),
+    ("ERR_WAIT_MAXTIME", 1301),
+    ("ERR_SIG_NOT_VALID", 1302),
+    ("ERR_GO_LIM", 1303),
+    ("ERR_NO_ALIASIO_DEF", 1304),
+    ("ERR_NORUNUNIT", 1305),
+    ("ERR_AO_LIM", 1306),
+    ("ERR_OVERFLOW", 1307),
+    ("ERR_RANYBIN_EOF", 1401),
+    ("ERR_RAWBYTES", 1402),
+    ("ERR_TP_NO_CLIENT", 1501),
+];
+
+/// The error of this name.
+pub(crate) fn error(name: &str, message: impl Into<String>) -> RaisedError {
+    let number = ERRORS
+        .iter()
+        .find(|(known, _)| *known == name)
+        .map_or(0, |(_, number)| *number);
+    RaisedError {
+        number,
+        name: name.to_owned(),
+        message: message.into(),
+    }
+}
+
+/// Name of an error number.
+pub(crate) fn error_name(number: i64) -> Option<&'static str> {
+    ERRORS
+        .iter()
+        .find(|(_, known)| *known == number)
+        .map(|(name, _)| *name)
+}
+
+/// The RAPID error of a fault.
+pub(crate) fn raise(fault: &MachineFault) -> RaisedError {
+    let name = match fault {
+        MachineFault::System(Fault::UnknownSignal(_)) => "ERR_NO_ALIASIO_DEF",
+        MachineFault::System(Fault::SignalValue { .. }) => "ERR_SIG_NOT_VALID",
+        MachineFault::System(Fault::OutOfReach { .. }) => "ERR_ROBLIMIT",
+        MachineFault::System(Fault::MotionSupervision { .. }) => "ERR_MOTIONSUP",
+        MachineFault::System(Fault::SocketClosed) => "ERR_SOCK_CLOSED",
+        MachineFault::System(Fault::SocketState { .. }) => "ERR_SOCK_NOT_CONN",
+        MachineFault::IndexOutOfRange { .. } => "ERR_OUTOFBND",
+        MachineFault::DivisionByZero => "ERR_DIVZERO",
+        MachineFault::NotPresent => "ERR_NOTPRES",
+        MachineFault::StringTooLong { .. } => "ERR_STRTOOLNG",
+        MachineFault::RecursionLimit { .. } => "ERR_RECURSION",
+        MachineFault::RetryLimit { .. } => "ERR_EXCRTYMAX",
+        MachineFault::NoReturnValue { .. } => "ERR_NORETURN",
+        _ => "ERR_ARGVALERR",
+    };
+    error(name, fault.to_string())
+}

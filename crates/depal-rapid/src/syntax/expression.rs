@@ -1,0 +1,312 @@
+use depal_vm::Span;
+
+use super::lexer::Token;
+use super::parser::{Parser, is_keyword};
+use super::tree::*;
+
+impl Parser<'_> {
+    /// `[NOT] term { (OR | XOR) [NOT] term }`: NOT, OR and XOR bind weakest.
+    pub(crate) fn expression(&mut self) -> Expression {
+        let start = self.span();
+        if !self.enter() {
+            self.leave();
+            self.recover();
+            return broken(start);
+        }
+        let mut left = self.maybe_not(Self::logical_term);
+        loop {
+            let operator = if self.maybe_word("OR") {
+                Operator::Or
+            } else if self.maybe_word("XOR") {
+                Operator::Xor
+            } else {
+                break;
+            };
+            let right = self.maybe_not(Self::logical_term);
+            left = binary(operator, left, right);
+        }
+        self.leave();
+        left
+    }
+
+    fn maybe_not(&mut self, inner: fn(&mut Self) -> Expression) -> Expression {
+        let start = self.span();
+        if !self.maybe_word("NOT") {
+            return inner(self);
+        }
+        if !self.enter() {
+            self.leave();
+            self.recover();
+            return broken(start);
+        }
+        let operand = self.maybe_not(inner);
+        self.leave();
+        Expression {
+            span: start.to(operand.span),
+            kind: ExpressionKind::Not(Box::new(operand)),
+        }
+    }
+
+    fn logical_term(&mut self) -> Expression {
+        let mut left = self.relation();
+        while self.maybe_word("AND") {
+            let right = self.maybe_not(Self::relation);
+            left = binary(Operator::And, left, right);
+        }
+        left
+    }
+
+    fn relation(&mut self) -> Expression {
+        let left = self.sum();
+        let operator = match self.peek() {
+            Token::Mark("=") => Operator::Equal,
+            Token::Mark("<>") => Operator::NotEqual,
+            Token::Mark("<") => Operator::Less,
+            Token::Mark("<=") => Operator::LessOrEqual,
+            Token::Mark(">") => Operator::Greater,
+            Token::Mark(">=") => Operator::GreaterOrEqual,
+            _ => return left,
+        };
+        self.advance();
+        let right = self.sum();
+        binary(operator, left, right)
+    }
+
+    fn sum(&mut self) -> Expression {
+        let mut left = self.product();
+        loop {
+            let operator = if self.maybe_mark("+") {
+                Operator::Add
+            } else if self.maybe_mark("-") {
+                Operator::Subtract
+            } else {
+                return left;
+            };
+            let right = self.product();
+            left = binary(operator, left, right);
+        }
+    }
+
+    fn product(&mut self) -> Expression {
+        let mut left = self.signed();
+        loop {
+            let operator = if self.maybe_mark("*") {
+                Operator::Multiply
+            } else if self.maybe_mark("/") {
+                Operator::Divide
+            } else if self.maybe_word("DIV") {
+                Operator::Div
+            } else if self.maybe_word("MOD") {
+                Operator::Mod
+            } else {
+                return left;
+            };
+            let right = self.signed();
+            left = binary(operator, left, right);
+        }
+    }
+
+    fn signed(&mut self) -> Expression {
+        let start = self.span();
+        if !self.is_mark("-") && !self.is_mark("+") {
+            return self.postfix();
+        }
+        let negative = self.is_mark("-");
+        self.advance();
+        if !self.enter() {
+            self.leave();
+            self.recover();
+            return broken(start);
+        }
+        let operand = self.signed();
+        self.leave();
+        if !negative {
+            return operand;
+        }
+        let span = start.to(operand.span);
+        let kind = match operand.kind {
+            ExpressionKind::Number { value, integer } => ExpressionKind::Number {
+                value: -value,
+                integer,
+            },
+            kind => ExpressionKind::Negate(Box::new(Expression {
+                kind,
+                span: operand.span,
+            })),
+        };
+        Expression { kind, span }
+    }
+
+    /// A primary with `.field` and `{index}` behind it. Long chains are cut by the statement's end,
+    /// but the tree nests one level for each, so that they count as depth.
+    pub(crate) fn postfix(&mut self) -> Expression {
+        let mut value = self.primary();
+        let mut links = 0;
+        loop {
+            links += 1;
+            if links > 32 {
+                self.report("RAPID0019", "too many components behind each other".into());
+                self.recover();
+                return broken(value.span);
+            }
+            if self.maybe_mark(".") {
+                let Some(field) = self.expect_name("the name of a record component") else {
+                    return value;
+                };
+                value = Expression {
+                    span: value.span.to(field.span),
+                    kind: ExpressionKind::Field(Box::new(value), field),
+                };
+            } else if self.maybe_mark("{") {
+                let mut indexes = Vec::new();
+                loop {
+                    indexes.push(self.expression());
+                    if !self.maybe_mark(",") {
+                        break;
+                    }
+                }
+                self.expect_mark("}", "behind the array index");
+                value = Expression {
+                    span: value.span.to(self.last_span()),
+                    kind: ExpressionKind::Index(Box::new(value), indexes),
+                };
+            } else {
+                return value;
+            }
+        }
+    }
+
+    fn primary(&mut self) -> Expression {
+        let span = self.span();
+        match self.peek().clone() {
+            Token::Number { value, integer } => {
+                self.advance();
+                Expression {
+                    kind: ExpressionKind::Number { value, integer },
+                    span,
+                }
+            }
+            Token::Text(text) => {
+                self.advance();
+                Expression {
+                    kind: ExpressionKind::Text(text),
+                    span,
+                }
+            }
+            Token::Name(word) if word.eq_ignore_ascii_case("TRUE") => {
+                self.advance();
+                Expression {
+                    kind: ExpressionKind::Bool(true),
+                    span,
+                }
+            }
+            Token::Name(word) if word.eq_ignore_ascii_case("FALSE") => {
+                self.advance();
+                Expression {
+                    kind: ExpressionKind::Bool(false),
+                    span,
+                }
+            }
+            Token::Name(word) if !is_keyword(&word) => {
+                self.advance();
+                if !self.maybe_mark("(") {
+                    return Expression {
+                        kind: ExpressionKind::Name(word),
+                        span,
+                    };
+                }
+                let arguments = self.arguments(")");
+                self.expect_mark(")", "behind the arguments");
+                Expression {
+                    kind: ExpressionKind::Call {
+                        name: Name { text: word, span },
+                        arguments,
+                    },
+                    span: span.to(self.last_span()),
+                }
+            }
+            Token::Mark("(") => {
+                self.advance();
+                let mut inner = self.expression();
+                self.expect_mark(")", "behind the expression");
+                inner.span = span.to(self.last_span());
+                inner
+            }
+            Token::Mark("[") => {
+                self.advance();
+                let mut items = Vec::new();
+                while !self.is_mark("]") && !self.is_end() {
+                    items.push(self.expression());
+                    if !self.maybe_mark(",") {
+                        break;
+                    }
+                }
+                self.expect_mark("]", "behind the aggregate");
+                Expression {
+                    kind: ExpressionKind::Aggregate(items),
+                    span: span.to(self.last_span()),
+                }
+            }
+            _ => {
+                let found = self.describe();
+                self.report("RAPID0017", format!("expected a value, found {found}"));
+                broken(span)
+            }
+        }
+    }
+
+    /// Arguments up to `end`, which is left standing. Optional ones begin with a backslash,
+    /// with or without a comma before it.
+    pub(crate) fn arguments(&mut self, end: &str) -> Vec<Argument> {
+        let mut arguments = Vec::new();
+        while !self.is_mark(end) && !self.is_end() {
+            let before = self.position();
+            if self.maybe_mark("\\") {
+                let Some(name) = self.expect_name("the name of an optional argument") else {
+                    break;
+                };
+                if self.maybe_mark("?") {
+                    let Some(from) = self.expect_name("the name of an optional parameter") else {
+                        break;
+                    };
+                    arguments.push(Argument::Conditional { name, from });
+                } else {
+                    let value = self.maybe_mark(":=").then(|| self.expression());
+                    arguments.push(Argument::Named { name, value });
+                }
+            } else if matches!(self.peek(), Token::Name(_))
+                && matches!(self.peek_after(1), Token::Mark(":="))
+            {
+                let Some(name) = self.expect_name("the name of an argument") else {
+                    break;
+                };
+                self.advance();
+                let value = Some(self.expression());
+                arguments.push(Argument::Named { name, value });
+            } else {
+                arguments.push(Argument::Positional(self.expression()));
+            }
+            if self.maybe_mark(",") || self.is_mark("\\") {
+                continue;
+            }
+            if !self.is_mark(end) || self.position() == before {
+                break;
+            }
+        }
+        arguments
+    }
+}
+
+fn binary(operator: Operator, left: Expression, right: Expression) -> Expression {
+    Expression {
+        span: left.span.to(right.span),
+        kind: ExpressionKind::Binary(operator, Box::new(left), Box::new(right)),
+    }
+}
+
+pub(crate) fn broken(span: Span) -> Expression {
+    Expression {
+        kind: ExpressionKind::Broken,
+        span,
+    }
+}

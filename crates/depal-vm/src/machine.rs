@@ -1,0 +1,638 @@
+use std::sync::Arc;
+
+use depal_time::SimTime;
+
+use crate::execution::{RobotTask, RuntimeError, Step};
+use crate::memory::{Frame, Handling, Memory, PendingCall, element};
+use crate::operators::{binary, unary};
+use crate::system::{ProgramLocation, System};
+use crate::{
+    CallContext, MachineFault, Op, Outcome, Program, RaisedError, Reference, Root, Value,
+};
+
+/// Runs a [`Program`], one statement a step. Cloning it is a snapshot of the whole task.
+#[derive(Debug, Clone)]
+pub struct Machine {
+    program: Arc<Program>,
+    memory: Memory,
+    location: ProgramLocation,
+    located_routine: Option<u32>,
+    last_error: i64,
+    ended: Option<Step>,
+}
+
+/// What an operation asks of the loop around it.
+enum Flow {
+    Next,
+    Blocked,
+    End(Step),
+}
+
+impl Machine {
+    /// A machine that stands before the first statement of the program's entry.
+    pub fn new(program: Arc<Program>, task: impl Into<String>) -> Self {
+        let memory = Memory {
+            globals: program.globals.clone(),
+            ..Memory::default()
+        };
+        let mut machine = Self {
+            program,
+            memory,
+            location: ProgramLocation {
+                task: task.into(),
+                ..ProgramLocation::default()
+            },
+            located_routine: None,
+            last_error: 0,
+            ended: None,
+        };
+        machine.begin();
+        if let Some(initializer) = machine.program.initializer {
+            machine.push_frame(initializer, Vec::new());
+        }
+        machine.locate();
+        machine
+    }
+
+    /// The program's data.
+    pub fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    /// The program that runs.
+    pub fn program(&self) -> &Program {
+        &self.program
+    }
+
+    /// Value of a module variable by name, without regard to case.
+    pub fn global(&self, name: &str) -> Option<&Value> {
+        self.memory.globals.get(self.program.global(name)?)
+    }
+
+    /// The places of all routines being run, innermost first.
+    pub fn call_stack(&self) -> Vec<ProgramLocation> {
+        let initializer = self.program.initializer;
+        self.memory
+            .frames
+            .iter()
+            .rev()
+            .filter(|frame| frame.line > 0 || initializer == Some(frame.routine))
+            .map(|frame| self.location_of(frame))
+            .collect()
+    }
+
+    fn location_of(&self, frame: &Frame) -> ProgramLocation {
+        let routine = &self.program.routines[frame.routine as usize];
+        ProgramLocation {
+            task: self.location.task.clone(),
+            module: routine.module.clone(),
+            routine: routine.name.clone(),
+            line: if frame.line == 0 {
+                routine.line
+            } else {
+                frame.line
+            },
+        }
+    }
+
+    fn begin(&mut self) {
+        self.memory.frames.clear();
+        if (self.program.entry as usize) < self.program.routines.len() {
+            self.push_frame(self.program.entry, Vec::new());
+        }
+    }
+
+    fn push_frame(&mut self, routine: u32, arguments: Vec<Value>) {
+        let code = &self.program.routines[routine as usize];
+        let mut locals = code.locals.clone();
+        for (slot, value) in locals.iter_mut().zip(arguments) {
+            *slot = value;
+        }
+        self.memory.frames.push(Frame {
+            routine,
+            locals,
+            ..Frame::default()
+        });
+    }
+
+    /// Brings `location` up to date with the innermost frame.
+    fn locate(&mut self) {
+        let Some(frame) = self.memory.frames.last() else {
+            return;
+        };
+        let routine = &self.program.routines[frame.routine as usize];
+        if self.located_routine != Some(frame.routine) {
+            self.located_routine = Some(frame.routine);
+            self.location.module.clone_from(&routine.module);
+            self.location.routine.clone_from(&routine.name);
+        }
+        self.location.line = if frame.line == 0 {
+            routine.line
+        } else {
+            frame.line
+        };
+    }
+
+    fn frame(&mut self) -> &mut Frame {
+        self.memory
+            .frames
+            .last_mut()
+            .expect("operations run inside a frame")
+    }
+
+    fn pop(&mut self) -> Value {
+        self.frame()
+            .operands
+            .pop()
+            .expect("the lowering balances the operand stack")
+    }
+
+    fn push(&mut self, value: Value) {
+        self.frame().operands.push(value);
+    }
+
+    fn pop_many(&mut self, count: u32) -> Vec<Value> {
+        let operands = &mut self.frame().operands;
+        let at = operands
+            .len()
+            .checked_sub(count as usize)
+            .expect("the lowering balances the operand stack");
+        operands.split_off(at)
+    }
+
+    fn pop_bool(&mut self) -> Result<bool, MachineFault> {
+        match self.pop() {
+            Value::Bool(value) => Ok(value),
+            other => Err(MachineFault::Argument {
+                message: format!("a condition is {}", other.kind_name()),
+            }),
+        }
+    }
+
+    fn jump(&mut self, target: u32) {
+        self.frame().pc = target;
+    }
+
+    fn local_reference(&self, slot: u32) -> Reference {
+        let frame = self.memory.frames.len() - 1;
+        match &self.memory.frames[frame].locals[slot as usize] {
+            Value::Reference(reference) => reference.clone(),
+            _ => Reference {
+                root: Root::Local {
+                    frame: frame as u32,
+                    slot,
+                },
+                path: Vec::new(),
+            },
+        }
+    }
+
+    fn pop_reference(&mut self) -> Result<Reference, MachineFault> {
+        match self.pop() {
+            Value::Reference(reference) => Ok(reference),
+            _ => Err(MachineFault::NotPresent),
+        }
+    }
+
+    /// Hands an error to the nearest handler that takes it. `from_handler`: a handler gives it up itself.
+    fn handle(&mut self, error: RaisedError, from_handler: bool) -> Flow {
+        let failure = RuntimeError {
+            name: error.name.clone(),
+            message: error.message.clone(),
+            call_stack: self.call_stack(),
+        };
+        self.last_error = error.number;
+        let mut give_up = from_handler;
+        while let Some(frame) = self.memory.frames.last_mut() {
+            let routine = &self.program.routines[frame.routine as usize];
+            if frame.handling.is_some() && !give_up {
+                // An error inside a handler has nowhere to go.
+                break;
+            }
+            let takes = !give_up
+                && routine.handler.as_ref().is_some_and(|handler| {
+                    handler
+                        .numbers
+                        .as_ref()
+                        .is_none_or(|numbers| numbers.contains(&error.number))
+                });
+            give_up = false;
+            if takes {
+                let entry = routine.handler.as_ref().map_or(0, |handler| handler.entry);
+                frame.operands.clear();
+                frame.pending = None;
+                frame.wait_started = None;
+                frame.handling = Some(Handling {
+                    error,
+                    retry: frame.statement,
+                    next: frame.next,
+                });
+                frame.pc = entry;
+                return Flow::Next;
+            }
+            self.memory.frames.pop();
+        }
+        Flow::End(Step::Failed(failure))
+    }
+
+    fn retry(&mut self) -> Result<Flow, MachineFault> {
+        let limit = self.program.rules.retry_limit;
+        let frame = self.frame();
+        let Some(handling) = frame.handling.take() else {
+            return Ok(Flow::Next);
+        };
+        if frame.retried_statement == Some(handling.retry) {
+            frame.retries += 1;
+        } else {
+            frame.retried_statement = Some(handling.retry);
+            frame.retries = 1;
+        }
+        if frame.retries > limit {
+            frame.retries = 0;
+            frame.retried_statement = None;
+            frame.handling = Some(handling);
+            return Err(MachineFault::RetryLimit { limit });
+        }
+        frame.pc = handling.retry;
+        Ok(Flow::Next)
+    }
+
+    fn call_builtin(
+        &mut self,
+        system: &mut dyn System,
+        builtin: u32,
+        arguments: u32,
+        result: bool,
+    ) -> Result<Flow, RaisedError> {
+        self.locate();
+        let now = system.now();
+        let mut pending = match self.frame().pending.take() {
+            Some(pending) => pending,
+            None => PendingCall {
+                arguments: self.pop_many(arguments),
+                started: now,
+                notes: Vec::new(),
+            },
+        };
+        let program = Arc::clone(&self.program);
+        let mut context = CallContext {
+            arguments: &mut pending.arguments,
+            started: pending.started,
+            notes: &mut pending.notes,
+            memory: &mut self.memory,
+            location: &self.location,
+            rules: &program.rules,
+        };
+        match (program.builtins[builtin as usize].run)(&mut context, system)? {
+            Outcome::Done(value) => {
+                if result {
+                    self.push(value);
+                }
+                Ok(Flow::Next)
+            }
+            Outcome::Blocked => {
+                let frame = self.frame();
+                frame.pending = Some(pending);
+                frame.pc -= 1;
+                Ok(Flow::Blocked)
+            }
+            Outcome::Stop(reason) => Ok(Flow::End(Step::Stopped(reason))),
+            Outcome::Restart => {
+                self.begin();
+                Ok(Flow::Next)
+            }
+        }
+    }
+
+    fn run(&mut self, system: &mut dyn System, op: &Op) -> Result<Flow, MachineFault> {
+        match op {
+            Op::Statement { .. } => {}
+            Op::Push(value) => self.push(value.clone()),
+            Op::Pop => {
+                self.pop();
+            }
+            Op::LoadLocal(slot) => {
+                let frame = self.memory.frames.last().expect("inside a frame");
+                let value = match &frame.locals[*slot as usize] {
+                    Value::Absent => return Err(MachineFault::NotPresent),
+                    Value::Reference(reference) => self.memory.read(reference)?.clone(),
+                    value => value.clone(),
+                };
+                self.push(value);
+            }
+            Op::LoadGlobal(slot) => {
+                let value = self.memory.globals[*slot as usize].clone();
+                self.push(value);
+            }
+            Op::StoreLocal(slot) => {
+                let value = self.pop();
+                let reference = self.local_reference(*slot);
+                if self.memory.read(&reference).is_err() {
+                    return Err(MachineFault::NotPresent);
+                }
+                self.memory.write(&reference, value)?;
+            }
+            Op::StoreGlobal(slot) => {
+                let value = self.pop();
+                self.memory.globals[*slot as usize] = value;
+            }
+            Op::SetLocal(slot) => {
+                let value = self.pop();
+                self.frame().locals[*slot as usize] = value;
+            }
+            Op::PlaceLocal(slot) => {
+                let reference = self.local_reference(*slot);
+                self.memory.read(&reference)?;
+                self.push(Value::Reference(reference));
+            }
+            Op::PlaceGlobal(slot) => self.push(Value::Reference(Reference {
+                root: Root::Global(*slot),
+                path: Vec::new(),
+            })),
+            Op::PlaceField(field) => {
+                let mut reference = self.pop_reference()?;
+                reference.path.push(*field);
+                self.push(Value::Reference(reference));
+            }
+            Op::PlaceIndex(count) => {
+                let indexes = self.pop_many(*count);
+                let reference = self.pop_reference()?;
+                let reference = self.memory.index(reference, &indexes)?;
+                self.push(Value::Reference(reference));
+            }
+            Op::LoadPlace => {
+                let reference = self.pop_reference()?;
+                let value = self.memory.read(&reference)?.clone();
+                self.push(value);
+            }
+            Op::StorePlace => {
+                let value = self.pop();
+                let reference = self.pop_reference()?;
+                self.memory.write(&reference, value)?;
+            }
+            Op::Field(index) => {
+                let value = match self.pop() {
+                    Value::Record(mut fields) if (*index as usize) < fields.len() => {
+                        fields.swap_remove(*index as usize)
+                    }
+                    _ => return Err(MachineFault::NotPresent),
+                };
+                self.push(value);
+            }
+            Op::Index(count) => {
+                let indexes = self.pop_many(*count);
+                let array = self.pop();
+                let mut value = &array;
+                for (dimension, index) in indexes.iter().enumerate() {
+                    value = element(value, index, dimension)?.1;
+                }
+                let value = value.clone();
+                self.push(value);
+            }
+            Op::MakeRecord(count) => {
+                let fields = self.pop_many(*count);
+                self.push(Value::Record(fields));
+            }
+            Op::MakeArray(count) => {
+                let items = self.pop_many(*count);
+                self.push(Value::Array(items));
+            }
+            Op::Unary(op) => {
+                let value = unary(*op, self.pop())?;
+                self.push(value);
+            }
+            Op::Binary(op) => {
+                let right = self.pop();
+                let left = self.pop();
+                let value = binary(*op, left, right, self.program.rules.string_limit)?;
+                self.push(value);
+            }
+            Op::ReadSignal => {
+                let Value::Signal(name) = self.pop() else {
+                    return Err(MachineFault::NotPresent);
+                };
+                let value = system.signal(&name).map_err(MachineFault::System)?;
+                self.push(Value::Num(value as f32));
+            }
+            Op::Jump(target) => self.jump(*target),
+            Op::JumpIfFalse(target) => {
+                if !self.pop_bool()? {
+                    self.jump(*target);
+                }
+            }
+            Op::JumpIfFalseKeep(target) => {
+                if self.frame().operands.last() == Some(&Value::Bool(false)) {
+                    self.jump(*target);
+                }
+            }
+            Op::JumpIfTrueKeep(target) => {
+                if self.frame().operands.last() == Some(&Value::Bool(true)) {
+                    self.jump(*target);
+                }
+            }
+            Op::PassLocal(slot) => {
+                let value = self.frame().locals[*slot as usize].clone();
+                self.push(value);
+            }
+            Op::IsPresent(slot) => {
+                let present = self.frame().locals[*slot as usize].is_present();
+                self.push(Value::Bool(present));
+            }
+            Op::ForBegin { slot, stepped } => self.begin_for(*slot, *stepped)?,
+            Op::ForTest { slot, exit } => {
+                let (value, end, step) = self.for_state(*slot);
+                let over = if step > 0.0 { value > end } else { value < end };
+                if over {
+                    self.jump(*exit);
+                }
+            }
+            Op::ForStep { slot } => {
+                let (value, _, step) = self.for_state(*slot);
+                let locals = &mut self.frame().locals;
+                locals[*slot as usize] = match locals[*slot as usize] {
+                    Value::Dnum(_) => Value::Dnum(value + step),
+                    Value::Int(_) => Value::Int((value + step) as i64),
+                    _ => Value::Num((value + step) as f32),
+                };
+            }
+            Op::Call { routine, arguments } => {
+                let limit = self.program.rules.recursion_limit;
+                if self.memory.frames.len() >= limit {
+                    return Err(MachineFault::RecursionLimit { limit });
+                }
+                let arguments = self.pop_many(*arguments);
+                self.push_frame(*routine, arguments);
+            }
+            Op::Return { value } => {
+                let result = value.then(|| self.pop());
+                self.memory.frames.pop();
+                match (self.memory.frames.last_mut(), result) {
+                    (None, _) => return Ok(Flow::End(Step::Finished)),
+                    (Some(frame), Some(result)) => frame.operands.push(result),
+                    (Some(_), None) => {}
+                }
+            }
+            Op::MissingReturn => {
+                let routine = self.frame().routine;
+                return Err(MachineFault::NoReturnValue {
+                    name: self.program.routines[routine as usize].name.clone(),
+                });
+            }
+            Op::LoadErrorNumber => {
+                let number = self.last_error;
+                self.push(Value::Num(number as f32));
+            }
+            Op::Retry => return self.retry(),
+            Op::TryNext => {
+                let frame = self.frame();
+                if let Some(handling) = frame.handling.take() {
+                    frame.pc = handling.next;
+                }
+            }
+            Op::ResetRetries => {
+                self.frame().retries = 0;
+            }
+            Op::WaitBegin => {
+                let now = system.now();
+                self.frame().wait_started = Some(now);
+            }
+            Op::WaitElapsed => {
+                let now = system.now();
+                let start = self.frame().wait_started.unwrap_or(SimTime::ZERO);
+                self.push(Value::Dnum((now - start).as_secs_f64()));
+            }
+            Op::Block(target) => {
+                self.jump(*target);
+                return Ok(Flow::Blocked);
+            }
+            Op::Fault(fault) => return Err((**fault).clone()),
+            Op::Stop(reason) => return Ok(Flow::End(Step::Stopped(reason.clone()))),
+            Op::CallBuiltin { .. } | Op::Raise | Op::Reraise | Op::RaiseError(_) => {
+                unreachable!("handled by the loop")
+            }
+        }
+        Ok(Flow::Next)
+    }
+
+    fn begin_for(&mut self, slot: u32, stepped: bool) -> Result<(), MachineFault> {
+        let step = stepped.then(|| self.pop());
+        let end = self.pop();
+        let start = self.pop();
+        let descending = start.as_number() > end.as_number();
+        let step = step.unwrap_or(Value::Num(if descending { -1.0 } else { 1.0 }));
+        if step.as_number() == Some(0.0) {
+            return Err(MachineFault::ZeroStep);
+        }
+        let locals = &mut self.frame().locals;
+        locals[slot as usize] = start;
+        locals[slot as usize + 1] = end;
+        locals[slot as usize + 2] = step;
+        Ok(())
+    }
+
+    fn for_state(&self, slot: u32) -> (f64, f64, f64) {
+        let locals = &self.memory.frames.last().expect("inside a frame").locals;
+        let number = |i: usize| locals[slot as usize + i].as_number().unwrap_or(0.0);
+        (number(0), number(1), number(2))
+    }
+
+    fn dispatch(&mut self, system: &mut dyn System, op: &Op) -> Flow {
+        match op {
+            Op::CallBuiltin {
+                builtin,
+                arguments,
+                result,
+            } => match self.call_builtin(system, *builtin, *arguments, *result) {
+                Ok(flow) => flow,
+                Err(error) => self.handle(error, false),
+            },
+            Op::Raise => {
+                let number = self.pop().as_number().unwrap_or(0.0);
+                let from_handler = self.frame().handling.is_some();
+                self.handle(self.user_error(number), from_handler)
+            }
+            Op::Reraise => {
+                let handled = self.frame().handling.take().map(|h| h.error);
+                let error = handled.unwrap_or_else(|| self.user_error(self.last_error as f64));
+                self.handle(error, true)
+            }
+            Op::RaiseError(error) => self.handle((**error).clone(), false),
+            op => match self.run(system, op) {
+                Ok(flow) => flow,
+                Err(fault) => {
+                    let from_handler = matches!(fault, MachineFault::RetryLimit { .. });
+                    self.handle((self.program.rules.raise)(&fault), from_handler)
+                }
+            },
+        }
+    }
+
+    /// The error for a number: the language's own if the program passes one on, else the user's.
+    fn user_error(&self, number: f64) -> RaisedError {
+        let name = (self.program.rules.error_name)(number as i64);
+        RaisedError {
+            number: number as i64,
+            message: match name {
+                Some(name) => format!("raised by the program: {name}"),
+                None => format!("raised by the program: error number {number}"),
+            },
+            name: name.map_or_else(|| format!("ERROR {number}"), str::to_owned),
+        }
+    }
+}
+
+impl RobotTask for Machine {
+    fn step(&mut self, system: &mut dyn System) -> Step {
+        if let Some(step) = &self.ended {
+            return step.clone();
+        }
+        let program = Arc::clone(&self.program);
+        let mut begun = false;
+        let step = loop {
+            let Some(frame) = self.memory.frames.last_mut() else {
+                break Step::Finished;
+            };
+            let code = &program.routines[frame.routine as usize].code;
+            let Some(op) = code.get(frame.pc as usize) else {
+                break Step::Finished;
+            };
+            if let Op::Statement { line, next } = op {
+                if begun {
+                    self.locate();
+                    return Step::Ran;
+                }
+                begun = true;
+                if frame.handling.is_none() && frame.retried_statement != Some(frame.pc) {
+                    frame.retried_statement = None;
+                }
+                if frame.handling.is_none() {
+                    frame.statement = frame.pc;
+                    frame.next = *next;
+                }
+                frame.line = *line;
+                frame.pc += 1;
+                self.locate();
+                system.statement(&self.location);
+                continue;
+            }
+            // In the middle of a statement: the next one waits for the next step. The code before the
+            // first statement of a routine (initial values) belongs to the statement that called it.
+            begun |= frame.line > 0;
+            frame.pc += 1;
+            match self.dispatch(system, op) {
+                Flow::Next => {}
+                Flow::Blocked => {
+                    self.locate();
+                    return Step::Blocked;
+                }
+                Flow::End(step) => break step,
+            }
+        };
+        self.ended = Some(step.clone());
+        step
+    }
+
+    fn location(&self) -> ProgramLocation {
+        self.location.clone()
+    }
+}

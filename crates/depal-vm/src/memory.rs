@@ -1,0 +1,144 @@
+use std::collections::BTreeMap;
+
+use depal_time::SimTime;
+
+use crate::system::SocketId;
+use crate::{MachineFault, RaisedError, Reference, Root, Value};
+
+/// A built-in that has been called and has not answered yet.
+#[derive(Debug, Clone)]
+pub(crate) struct PendingCall {
+    pub(crate) arguments: Vec<Value>,
+    pub(crate) started: SimTime,
+    pub(crate) notes: Vec<Value>,
+}
+
+/// The error a frame is handling.
+#[derive(Debug, Clone)]
+pub(crate) struct Handling {
+    pub(crate) error: RaisedError,
+    pub(crate) retry: u32,
+    pub(crate) next: u32,
+}
+
+/// A routine being run.
+#[derive(Debug, Clone, Default)]
+pub struct Frame {
+    /// Index of the routine.
+    pub routine: u32,
+    /// The operation to run next.
+    pub pc: u32,
+    /// Parameters first, then the routine's own data.
+    pub locals: Vec<Value>,
+    /// Line of the statement being run, from 1.
+    pub line: u32,
+    pub(crate) operands: Vec<Value>,
+    pub(crate) statement: u32,
+    pub(crate) next: u32,
+    pub(crate) pending: Option<PendingCall>,
+    pub(crate) wait_started: Option<SimTime>,
+    pub(crate) handling: Option<Handling>,
+    pub(crate) retries: u32,
+    pub(crate) retried_statement: Option<u32>,
+}
+
+/// All data of a running program.
+#[derive(Debug, Clone, Default)]
+pub struct Memory {
+    /// Module data.
+    pub globals: Vec<Value>,
+    /// The call stack, outermost first.
+    pub frames: Vec<Frame>,
+    /// Modal settings of the language by name (speed override, acceleration).
+    pub modal: BTreeMap<&'static str, f64>,
+    /// Bytes taken from a socket and put back, to be read first.
+    pub unread: BTreeMap<SocketId, Vec<u8>>,
+}
+
+impl Memory {
+    /// What a reference refers to. An absent optional parameter is a fault.
+    pub fn read(&self, reference: &Reference) -> Result<&Value, MachineFault> {
+        let mut value = match reference.root {
+            Root::Global(slot) => self.globals.get(slot as usize),
+            Root::Local { frame, slot } => self
+                .frames
+                .get(frame as usize)
+                .and_then(|f| f.locals.get(slot as usize)),
+        };
+        for index in &reference.path {
+            value = match value {
+                Some(Value::Record(items) | Value::Array(items)) => items.get(*index as usize),
+                _ => None,
+            };
+        }
+        match value {
+            Some(Value::Absent) | None => Err(MachineFault::NotPresent),
+            Some(value) => Ok(value),
+        }
+    }
+
+    /// The variable that a reference refers to.
+    pub fn read_mut(&mut self, reference: &Reference) -> Result<&mut Value, MachineFault> {
+        let mut value = match reference.root {
+            Root::Global(slot) => self.globals.get_mut(slot as usize),
+            Root::Local { frame, slot } => self
+                .frames
+                .get_mut(frame as usize)
+                .and_then(|f| f.locals.get_mut(slot as usize)),
+        };
+        for index in &reference.path {
+            value = match value {
+                Some(Value::Record(items) | Value::Array(items)) => items.get_mut(*index as usize),
+                _ => None,
+            };
+        }
+        value.ok_or(MachineFault::NotPresent)
+    }
+
+    /// Assigns to what a reference refers to.
+    pub fn write(&mut self, reference: &Reference, value: Value) -> Result<(), MachineFault> {
+        *self.read_mut(reference)? = value;
+        Ok(())
+    }
+
+    /// Extends a reference by indexes from 1, checking the bounds.
+    pub(crate) fn index(
+        &self,
+        mut reference: Reference,
+        indexes: &[Value],
+    ) -> Result<Reference, MachineFault> {
+        let mut value = self.read(&reference)?;
+        for (dimension, index) in indexes.iter().enumerate() {
+            let (position, element) = element(value, index, dimension)?;
+            reference.path.push(position);
+            value = element;
+        }
+        Ok(reference)
+    }
+}
+
+/// Position from 0 and the element of an array at an index from 1. Fractions are rounded, as on a
+/// controller that takes a number as index.
+pub(crate) fn element<'a>(
+    array: &'a Value,
+    index: &Value,
+    dimension: usize,
+) -> Result<(u32, &'a Value), MachineFault> {
+    let index = index.as_number().unwrap_or(f64::NAN);
+    let Value::Array(items) = array else {
+        return Err(MachineFault::Argument {
+            message: format!("{} has no elements", array.kind_name()),
+        });
+    };
+    let position = index.round() - 1.0;
+    let fault = MachineFault::IndexOutOfRange {
+        index,
+        size: items.len(),
+        dimension: dimension + 1,
+    };
+    if position.is_nan() || position < 0.0 {
+        return Err(fault);
+    }
+    let found = items.get(position as usize).ok_or(fault)?;
+    Ok((position as u32, found))
+}

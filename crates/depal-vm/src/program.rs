@@ -1,0 +1,219 @@
+use crate::operators::{BinaryOp, UnaryOp};
+use crate::{Builtin, MachineFault, RaisedError, Value};
+
+/// One operation of the machine. Operands are taken from and put on the operand stack of the frame.
+/// Jump targets are indexes into the code of the routine.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Op {
+    /// A statement begins. The operand stack is empty here.
+    Statement {
+        /// Source line, from 1.
+        line: u32,
+        /// Where the statement after this one begins (where an error handler goes on with "next").
+        next: u32,
+    },
+    /// Puts a constant.
+    Push(Value),
+    /// Drops the top.
+    Pop,
+    /// Puts a copy of a local, through a reference if it holds one. An absent one is an error.
+    LoadLocal(u32),
+    /// Puts a copy of a global.
+    LoadGlobal(u32),
+    /// Takes a value into a local, through a reference if it holds one.
+    StoreLocal(u32),
+    /// Takes a value into a global.
+    StoreGlobal(u32),
+    /// Sets a local slot itself (initial values at the start of a scope).
+    SetLocal(u32),
+    /// Puts a reference to a local, or the reference that it holds.
+    PlaceLocal(u32),
+    /// Puts a reference to a global.
+    PlaceGlobal(u32),
+    /// Extends the reference on top by a field.
+    PlaceField(u32),
+    /// Takes this many indexes (from 1) and extends the reference below them.
+    PlaceIndex(u32),
+    /// Replaces the reference on top by a copy of what it refers to.
+    LoadPlace,
+    /// Takes a value, then a reference, and assigns.
+    StorePlace,
+    /// Replaces the record on top by one of its fields.
+    Field(u32),
+    /// Takes this many indexes and replaces the array below them by an element.
+    Index(u32),
+    /// Makes a record of this many values.
+    MakeRecord(u32),
+    /// Makes an array of this many values.
+    MakeArray(u32),
+    /// Takes one, puts one.
+    Unary(UnaryOp),
+    /// Takes two, puts one.
+    Binary(BinaryOp),
+    /// Replaces a signal by its value now, as a 32-bit number.
+    ReadSignal,
+    /// Goes on elsewhere.
+    Jump(u32),
+    /// Takes a truth value and goes elsewhere if it is false.
+    JumpIfFalse(u32),
+    /// Leaves the truth value and goes elsewhere if it is false (short cut of AND).
+    JumpIfFalseKeep(u32),
+    /// Leaves the truth value and goes elsewhere if it is true (short cut of OR).
+    JumpIfTrueKeep(u32),
+    /// Puts a local slot as it is: absent, a value, or the reference it holds.
+    PassLocal(u32),
+    /// Puts whether an optional parameter was given.
+    IsPresent(u32),
+    /// Begins a counting loop: takes the step (if `stepped`), the end and the start.
+    /// Without a step it is +1, or -1 if the start is above the end.
+    ForBegin {
+        /// Slot of the loop variable; the next two slots hold end and step.
+        slot: u32,
+        /// Whether a step is on the stack.
+        stepped: bool,
+    },
+    /// Leaves the loop if the variable has passed the end.
+    ForTest {
+        /// As in `ForBegin`.
+        slot: u32,
+        /// Behind the loop.
+        exit: u32,
+    },
+    /// Adds the step.
+    ForStep {
+        /// As in `ForBegin`.
+        slot: u32,
+    },
+    /// Calls a routine with the top `arguments` values as its first locals.
+    Call {
+        /// Index of the routine.
+        routine: u32,
+        /// Number of parameters.
+        arguments: u32,
+    },
+    /// Calls a built-in with the top `arguments` values. It may block; it is asked again with the same arguments.
+    CallBuiltin {
+        /// Index in the program's table.
+        builtin: u32,
+        /// Number of parameters.
+        arguments: u32,
+        /// Whether its result is wanted.
+        result: bool,
+    },
+    /// Returns to the caller, with the top value if `value`.
+    Return {
+        /// A function's result is on the stack.
+        value: bool,
+    },
+    /// A function ran into its end.
+    MissingReturn,
+    /// Puts the number of the error being handled (0 if none ever was).
+    LoadErrorNumber,
+    /// Takes a number and raises it in this routine, or to the caller when inside a handler.
+    Raise,
+    /// Hands the error being handled to the caller; also the end of a handler.
+    Reraise,
+    /// Runs the failed statement again.
+    Retry,
+    /// Goes on behind the failed statement.
+    TryNext,
+    /// Forgets how often statements were retried.
+    ResetRetries,
+    /// Notes the time at which a wait begins.
+    WaitBegin,
+    /// Puts the seconds since `WaitBegin` as a 64-bit number.
+    WaitElapsed,
+    /// Ends this step as blocked; goes on there in the next.
+    Block(u32),
+    /// Raises a fault.
+    Fault(Box<MachineFault>),
+    /// Raises an error of the language.
+    RaiseError(Box<RaisedError>),
+    /// Stops the program, with the reason.
+    Stop(String),
+}
+
+/// The error clause of a routine.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ErrorHandler {
+    /// Where its code begins.
+    pub entry: u32,
+    /// The errors it takes; `None` takes all.
+    pub numbers: Option<Vec<i64>>,
+}
+
+/// A routine, ready to run.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Routine {
+    /// As spelled in the source.
+    pub name: String,
+    /// Module name as spelled in the source.
+    pub module: String,
+    /// Line where it begins, from 1.
+    pub line: u32,
+    /// Initial values of the locals; the parameters come first.
+    pub locals: Vec<Value>,
+    /// The operations.
+    pub code: Vec<Op>,
+    /// The error clause.
+    pub handler: Option<ErrorHandler>,
+}
+
+/// What differs between languages.
+#[derive(Debug, Clone)]
+pub struct LanguageRules {
+    /// Name and number of a fault.
+    pub raise: fn(&MachineFault) -> RaisedError,
+    /// Name of an error number of the language; `None` for the user's own.
+    pub error_name: fn(i64) -> Option<&'static str>,
+    /// Most characters in a string.
+    pub string_limit: usize,
+    /// How often one statement may be retried in a row.
+    pub retry_limit: u32,
+    /// Most routine calls inside each other.
+    pub recursion_limit: usize,
+}
+
+impl Default for LanguageRules {
+    fn default() -> Self {
+        Self {
+            raise: |fault| RaisedError {
+                number: 0,
+                name: "ERROR".into(),
+                message: fault.to_string(),
+            },
+            error_name: |_| None,
+            string_limit: usize::MAX,
+            retry_limit: 4,
+            recursion_limit: 200,
+        }
+    }
+}
+
+/// A whole program, checked and lowered. Shared by all machines that run it.
+#[derive(Debug, Clone, Default)]
+pub struct Program {
+    /// All routines.
+    pub routines: Vec<Routine>,
+    /// The one that runs.
+    pub entry: u32,
+    /// Computes initial values of globals, before the entry.
+    pub initializer: Option<u32>,
+    /// Initial values of the globals.
+    pub globals: Vec<Value>,
+    /// Name of each global, for the debugger and tests.
+    pub global_names: Vec<String>,
+    /// The built-ins that `CallBuiltin` means.
+    pub builtins: Vec<Builtin>,
+    /// Rules of the language.
+    pub rules: LanguageRules,
+}
+
+impl Program {
+    /// Slot of a global by its name, without regard to case; the first of that name.
+    pub fn global(&self, name: &str) -> Option<usize> {
+        self.global_names
+            .iter()
+            .position(|n| n.eq_ignore_ascii_case(name))
+    }
+}
