@@ -79,6 +79,13 @@ struct Declared<'x> {
     kind: Type,
 }
 
+/// Which initial values are computed, and which have been begun.
+#[derive(Default)]
+struct Progress {
+    done: BTreeSet<usize>,
+    open: BTreeSet<usize>,
+}
+
 impl Compiler<'_> {
     fn records(&mut self, modules: &[Module]) {
         let mut declared = Vec::new();
@@ -253,7 +260,6 @@ impl Compiler<'_> {
                     optional: false,
                     span: data.name.span,
                     constant: constant_of(data),
-                    module,
                 });
                 self.declare(module, data.local, &data.name, symbol);
                 declared.push(Declared {
@@ -400,9 +406,9 @@ impl Compiler<'_> {
         self.body = Body::default();
         let by_slot: BTreeMap<u32, usize> =
             declared.iter().enumerate().map(|(i, d)| (d.slot, i)).collect();
-        let mut done = BTreeSet::new();
+        let mut progress = Progress::default();
         for index in 0..declared.len() {
-            self.initial_value(declared, &by_slot, index, &mut done, 0);
+            self.initial_value(declared, &by_slot, index, &mut progress, 0);
         }
         self.emit(Op::Return { value: false });
         let body = std::mem::take(&mut self.body);
@@ -424,14 +430,26 @@ impl Compiler<'_> {
         declared: &[Declared<'_>],
         by_slot: &BTreeMap<u32, usize>,
         index: usize,
-        done: &mut BTreeSet<usize>,
+        progress: &mut Progress,
         depth: usize,
     ) {
-        if depth > 100 || !done.insert(index) {
+        let item = &declared[index];
+        if progress.done.contains(&index) {
             return;
         }
-        let item = &declared[index];
+        if depth > 100 || !progress.open.insert(index) {
+            self.error(Diagnostic::error(
+                "RAPID0135",
+                item.data.name.span,
+                format!(
+                    "the value of {} depends on itself, or on more than 100 others in a chain",
+                    item.data.name.text
+                ),
+            ));
+            return;
+        }
         let Some(value) = &item.data.value else {
+            progress.done.insert(index);
             if item.data.storage == Storage::Const {
                 self.error(Diagnostic::error(
                     "RAPID0133",
@@ -448,10 +466,11 @@ impl Compiler<'_> {
             if let Some(Symbol::Data(data)) = self.lookup(&name)
                 && let Slot::Global(slot) = data.slot
             {
-                self.initial_value(declared, by_slot, by_slot[&slot], done, depth + 1);
+                self.initial_value(declared, by_slot, by_slot[&slot], progress, depth + 1);
             }
         }
         self.module = item.module;
+        progress.done.insert(index);
         let begin = self.body.code.len();
         self.value(value, Some(&item.kind));
         if let [Op::Push(constant)] = &self.body.code[begin..] {
@@ -493,7 +512,6 @@ impl Compiler<'_> {
                     optional: parameter.optional,
                     span: tree.name.span,
                     constant: None,
-                    module: self.module,
                 },
             );
         }
@@ -501,7 +519,6 @@ impl Compiler<'_> {
             self.local_data(data);
         }
         self.statements(&routine.body);
-        let end_line = self.line(routine.end);
         if signature.result.is_some() {
             self.emit(Op::MissingReturn);
         } else {
@@ -531,7 +548,6 @@ impl Compiler<'_> {
             ErrorHandler { entry, numbers }
         });
         self.resolve_gotos();
-        let _ = end_line;
         let body = std::mem::take(&mut self.body);
         self.program.routines[index as usize] = Lowered {
             name: routine.name.text.clone(),
@@ -609,7 +625,6 @@ impl Compiler<'_> {
                 optional: false,
                 span: data.name.span,
                 constant: constant_of(data),
-                module: self.module,
             },
         );
     }

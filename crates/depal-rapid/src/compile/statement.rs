@@ -363,7 +363,6 @@ impl Compiler<'_> {
             optional: false,
             span: variable.span,
             constant: None,
-            module: self.module,
         });
         let hidden = self.body.scope.insert(variable.key(), symbol);
         self.statements(body);

@@ -11,6 +11,8 @@ pub(crate) fn parse(file: u32, text: &str, diagnostics: &mut Vec<Diagnostic>) ->
         at: 0,
         diagnostics,
         depth: 0,
+        operators: 0,
+        inside: 0,
         reported_at: None,
     };
     parser.file()
@@ -25,6 +27,8 @@ pub(crate) fn parse_heading(text: &str) -> Option<Routine> {
         at: 0,
         diagnostics: &mut diagnostics,
         depth: 0,
+        operators: 0,
+        inside: 0,
         reported_at: None,
     };
     let routine = parser.heading(false);
@@ -34,11 +38,18 @@ pub(crate) fn parse_heading(text: &str) -> Option<Routine> {
 /// Deepest nesting of expressions and blocks, so that no text can exhaust the stack.
 const DEPTH_LIMIT: usize = 64;
 
+/// Most operators in one expression.
+const OPERATOR_LIMIT: usize = 256;
+
 pub(crate) struct Parser<'a> {
     tokens: Vec<SpannedToken>,
     at: usize,
     pub(crate) diagnostics: &'a mut Vec<Diagnostic>,
     depth: usize,
+    /// Operators of the expression being read.
+    operators: usize,
+    /// Expressions inside each other.
+    pub(crate) inside: usize,
     reported_at: Option<usize>,
 }
 
@@ -178,6 +189,25 @@ impl Parser<'_> {
         true
     }
 
+    /// Starts counting the operators of an outermost expression.
+    pub(crate) fn begin_operators(&mut self) {
+        self.operators = 0;
+    }
+
+    /// Counts an operator; `false`, reported, when one expression has too many for the tree to stay flat.
+    pub(crate) fn count_operator(&mut self) -> bool {
+        self.operators += 1;
+        if self.operators > OPERATOR_LIMIT {
+            self.report(
+                "RAPID0019",
+                format!("more than {OPERATOR_LIMIT} operators in one expression"),
+            );
+            self.recover();
+            return false;
+        }
+        true
+    }
+
     pub(crate) fn leave(&mut self) {
         self.depth -= 1;
     }
@@ -307,12 +337,12 @@ impl Parser<'_> {
                 .expect_name("the type of a record component, or ENDRECORD")
                 .and_then(|kind| Some((kind, self.expect_name("the name of a record component")?)));
             let Some(field) = field else {
-                self.diagnostics.last_mut().map(|d| {
-                    d.secondary.push(depal_vm::Label {
+                if let Some(last) = self.diagnostics.last_mut() {
+                    last.secondary.push(depal_vm::Label {
                         span: opened,
                         message: "in this RECORD".into(),
                     });
-                });
+                }
                 break;
             };
             fields.push(field);
@@ -380,7 +410,6 @@ impl Parser<'_> {
         } else {
             self.parameters()
         };
-        let end = name.span;
         Some(Routine {
             local,
             kind,
@@ -389,7 +418,6 @@ impl Parser<'_> {
             data: Vec::new(),
             body: Vec::new(),
             handler: None,
-            end,
         })
     }
 
@@ -399,13 +427,15 @@ impl Parser<'_> {
             return parameters;
         }
         let mut group = 0;
+        let mut alternative = false;
         while !self.maybe_mark(")") {
             if self.is_end() {
                 self.report("RAPID0010", "expected `)` behind the parameters".into());
                 break;
             }
             self.maybe_mark(",");
-            let optional = self.maybe_mark("\\");
+            // Alternatives of an optional parameter are optional, too: `\num A | bool B`.
+            let optional = self.maybe_mark("\\") || alternative;
             let mode = if self.maybe_word("VAR") {
                 Mode::Var
             } else if self.maybe_word("INOUT") {
@@ -448,7 +478,9 @@ impl Parser<'_> {
                 name,
                 dimensions,
             });
-            if !self.maybe_mark("|") {
+            let alternatives = self.maybe_mark("|");
+            alternative = alternatives && optional;
+            if !alternatives {
                 group += 1;
             }
         }
@@ -493,7 +525,6 @@ impl Parser<'_> {
             let body = self.routine_statements();
             routine.handler = Some(Handler { numbers, body });
         }
-        routine.end = self.span();
         if !self.maybe_word(closing) {
             let found = self.describe();
             let message = format!("expected {closing}, found {found}");

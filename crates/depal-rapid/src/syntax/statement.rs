@@ -129,6 +129,7 @@ impl Parser<'_> {
         };
         if self.is_mark(":=") || self.is_mark(".") || self.is_mark("{") {
             self.step_back();
+            self.begin_operators();
             let target = self.postfix();
             if !self.expect_mark(":=", "of an assignment") {
                 self.recover();

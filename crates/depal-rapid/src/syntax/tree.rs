@@ -85,8 +85,6 @@ pub(crate) struct Routine {
     pub(crate) data: Vec<Data>,
     pub(crate) body: Vec<Statement>,
     pub(crate) handler: Option<Handler>,
-    /// The closing keyword.
-    pub(crate) end: Span,
 }
 
 #[derive(Debug, Clone, PartialEq)]
