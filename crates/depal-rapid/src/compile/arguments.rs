@@ -28,16 +28,16 @@ impl Compiler<'_> {
         }
         if let Some(known) = crate::builtins::refused(&name.text) {
             self.error(
-                Diagnostic::error(
-                    "RAPID0112",
-                    name.span,
-                    format!("{known} is not simulated"),
-                )
-                .help("it exists on the controller; this program cannot run here as it stands"),
+                Diagnostic::error("RAPID0112", name.span, format!("{known} is not simulated"))
+                    .help("it exists on the controller; this program cannot run here as it stands"),
             );
             return None;
         }
-        let kind = if function { "function" } else { "instruction or procedure" };
+        let kind = if function {
+            "function"
+        } else {
+            "instruction or procedure"
+        };
         let mut diagnostic = Diagnostic::error(
             "RAPID0101",
             name.span,
@@ -68,7 +68,8 @@ impl Compiler<'_> {
             let index = match argument {
                 Argument::Positional(_) => {
                     while next < parameters.len()
-                        && (parameters[next].optional || self.group_taken(parameters, &matched, next))
+                        && (parameters[next].optional
+                            || self.group_taken(parameters, &matched, next))
                     {
                         next += 1;
                     }
@@ -96,12 +97,11 @@ impl Compiler<'_> {
                             given.span,
                             format!("{} has no argument {} here", name.text, given.text),
                         );
-                        diagnostic.help = Some(
-                            match super::scope::nearest_name(&given.text, names) {
+                        diagnostic.help =
+                            Some(match super::scope::nearest_name(&given.text, names) {
                                 Some(near) => format!("did you mean \\{near}?"),
                                 None => usage(signature),
-                            },
-                        );
+                            });
                         self.error(diagnostic);
                         continue;
                     };
@@ -137,12 +137,7 @@ impl Compiler<'_> {
             .any(|(p, m)| p.group == parameters[index].group && m.is_some())
     }
 
-    fn check_groups(
-        &mut self,
-        signature: &Signature,
-        name: &Name,
-        matched: &[Option<&Argument>],
-    ) {
+    fn check_groups(&mut self, signature: &Signature, name: &Name, matched: &[Option<&Argument>]) {
         let parameters = &signature.parameters;
         for (index, parameter) in parameters.iter().enumerate() {
             let same = |i: &usize| parameters[*i].group == parameter.group;

@@ -27,7 +27,11 @@ pub(crate) fn compile(
         .map(|file| {
             let newlines = file.text.bytes().enumerate();
             std::iter::once(0)
-                .chain(newlines.filter(|(_, b)| *b == b'\n').map(|(i, _)| i as u32 + 1))
+                .chain(
+                    newlines
+                        .filter(|(_, b)| *b == b'\n')
+                        .map(|(i, _)| i as u32 + 1),
+                )
                 .collect()
         })
         .collect();
@@ -137,7 +141,9 @@ impl Compiler<'_> {
                     }
                     other => other,
                 };
-                self.records[index].fields.push((name.text.clone(), resolved));
+                self.records[index]
+                    .fields
+                    .push((name.text.clone(), resolved));
             }
         }
     }
@@ -156,8 +162,19 @@ impl Compiler<'_> {
             return Type::Broken;
         }
         const SIMPLE: [&str; 13] = [
-            "num", "dnum", "bool", "string", "rawbytes", "socketdev", "clock", "switch", "errnum",
-            "signaldi", "signaldo", "signalgi", "signalgo",
+            "num",
+            "dnum",
+            "bool",
+            "string",
+            "rawbytes",
+            "socketdev",
+            "clock",
+            "switch",
+            "errnum",
+            "signaldi",
+            "signaldo",
+            "signalgi",
+            "signalgo",
         ];
         let names = SIMPLE
             .iter()
@@ -234,8 +251,12 @@ impl Compiler<'_> {
         if let Some(first) = scope.get(&name.key()) {
             let first = first.span();
             self.error(
-                Diagnostic::error("RAPID0110", name.span, format!("{} is declared twice", name.text))
-                    .secondary(first, "first declared here"),
+                Diagnostic::error(
+                    "RAPID0110",
+                    name.span,
+                    format!("{} is declared twice", name.text),
+                )
+                .secondary(first, "first declared here"),
             );
             return;
         }
@@ -297,7 +318,11 @@ impl Compiler<'_> {
         }
         if data.sizes.len() > 3 {
             let span = data.name.span;
-            self.error(Diagnostic::error("RAPID0114", span, "an array has at most 3 dimensions"));
+            self.error(Diagnostic::error(
+                "RAPID0114",
+                span,
+                "an array has at most 3 dimensions",
+            ));
             return Type::Broken;
         }
         let mut sizes = Vec::new();
@@ -404,8 +429,11 @@ impl Compiler<'_> {
     /// Initial values in an order in which each is there before it is used.
     fn initial_values(&mut self, declared: &[Declared<'_>]) {
         self.body = Body::default();
-        let by_slot: BTreeMap<u32, usize> =
-            declared.iter().enumerate().map(|(i, d)| (d.slot, i)).collect();
+        let by_slot: BTreeMap<u32, usize> = declared
+            .iter()
+            .enumerate()
+            .map(|(i, d)| (d.slot, i))
+            .collect();
         let mut progress = Progress::default();
         for index in 0..declared.len() {
             self.initial_value(declared, &by_slot, index, &mut progress, 0);
@@ -646,7 +674,9 @@ impl Compiler<'_> {
                 self.error(Diagnostic::error(
                     "RAPID0117",
                     span,
-                    format!("{entry} cannot be started: it must be a PROC without required parameters"),
+                    format!(
+                        "{entry} cannot be started: it must be a PROC without required parameters"
+                    ),
                 ));
             }
             None => {

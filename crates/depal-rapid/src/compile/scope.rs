@@ -132,7 +132,9 @@ impl Compiler<'_> {
     pub(crate) fn line(&self, span: Span) -> u32 {
         self.line_starts
             .get(span.file as usize)
-            .map_or(1, |starts| starts.partition_point(|s| *s <= span.start) as u32)
+            .map_or(1, |starts| {
+                starts.partition_point(|s| *s <= span.start) as u32
+            })
     }
 
     pub(crate) fn emit(&mut self, op: Op) -> usize {

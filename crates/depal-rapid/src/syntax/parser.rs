@@ -147,9 +147,12 @@ impl Parser<'_> {
         // A missing mark belongs behind what was read last, not before the next line.
         let previous = self.last_span();
         let span = Span::new(previous.file, previous.end, previous.end);
-        let diagnostic =
-            Diagnostic::error("RAPID0010", span, format!("expected `{mark}` {why}, found {found}"))
-                .label(format!("`{mark}` is missing here"));
+        let diagnostic = Diagnostic::error(
+            "RAPID0010",
+            span,
+            format!("expected `{mark}` {why}, found {found}"),
+        )
+        .label(format!("`{mark}` is missing here"));
         self.report_with(diagnostic);
         false
     }
@@ -183,7 +186,10 @@ impl Parser<'_> {
     pub(crate) fn enter(&mut self) -> bool {
         self.depth += 1;
         if self.depth > DEPTH_LIMIT {
-            self.report("RAPID0019", format!("more than {DEPTH_LIMIT} levels inside each other"));
+            self.report(
+                "RAPID0019",
+                format!("more than {DEPTH_LIMIT} levels inside each other"),
+            );
             return false;
         }
         true
@@ -315,12 +321,24 @@ impl Parser<'_> {
             let found = self.describe();
             self.report(
                 "RAPID0015",
-                format!("expected a declaration (VAR, PERS, CONST, RECORD, PROC, FUNC), found {found}"),
+                format!(
+                    "expected a declaration (VAR, PERS, CONST, RECORD, PROC, FUNC), found {found}"
+                ),
             );
             while !self.is_end()
                 && !self.is_any_word(&[
-                    "VAR", "PERS", "CONST", "PROC", "FUNC", "TRAP", "RECORD", "ALIAS", "LOCAL",
-                    "TASK", "MODULE", "ENDMODULE",
+                    "VAR",
+                    "PERS",
+                    "CONST",
+                    "PROC",
+                    "FUNC",
+                    "TRAP",
+                    "RECORD",
+                    "ALIAS",
+                    "LOCAL",
+                    "TASK",
+                    "MODULE",
+                    "ENDMODULE",
                 ])
             {
                 self.advance();
@@ -549,7 +567,10 @@ impl Parser<'_> {
                 return statements;
             }
             let word = self.describe();
-            self.report("RAPID0016", format!("{word} does not close anything that is open here"));
+            self.report(
+                "RAPID0016",
+                format!("{word} does not close anything that is open here"),
+            );
             self.advance();
             if self.is_mark(":") {
                 self.advance();
@@ -560,32 +581,147 @@ impl Parser<'_> {
 
 /// Words at which a statement list of any kind ends.
 pub(crate) const BLOCK_ENDS: [&str; 26] = [
-    "ENDIF", "ELSE", "ELSEIF", "ENDFOR", "ENDWHILE", "ENDTEST", "CASE", "DEFAULT", "ENDPROC",
-    "ENDFUNC", "ENDTRAP", "ERROR", "UNDO", "BACKWARD", "ENDMODULE", "ENDRECORD", "PROC", "FUNC",
-    "TRAP", "MODULE", "RECORD", "LOCAL", "VAR", "PERS", "CONST", "THEN",
+    "ENDIF",
+    "ELSE",
+    "ELSEIF",
+    "ENDFOR",
+    "ENDWHILE",
+    "ENDTEST",
+    "CASE",
+    "DEFAULT",
+    "ENDPROC",
+    "ENDFUNC",
+    "ENDTRAP",
+    "ERROR",
+    "UNDO",
+    "BACKWARD",
+    "ENDMODULE",
+    "ENDRECORD",
+    "PROC",
+    "FUNC",
+    "TRAP",
+    "MODULE",
+    "RECORD",
+    "LOCAL",
+    "VAR",
+    "PERS",
+    "CONST",
+    "THEN",
 ];
 
 const ROUTINE_ENDS: [&str; 14] = [
-    "ENDPROC", "ENDFUNC", "ENDTRAP", "ERROR", "UNDO", "BACKWARD", "ENDMODULE", "PROC", "FUNC",
-    "TRAP", "MODULE", "RECORD", "LOCAL", "ENDRECORD",
+    "ENDPROC",
+    "ENDFUNC",
+    "ENDTRAP",
+    "ERROR",
+    "UNDO",
+    "BACKWARD",
+    "ENDMODULE",
+    "PROC",
+    "FUNC",
+    "TRAP",
+    "MODULE",
+    "RECORD",
+    "LOCAL",
+    "ENDRECORD",
 ];
 
 const RECOVERY_WORDS: [&str; 32] = [
-    "ENDIF", "ELSE", "ELSEIF", "ENDFOR", "ENDWHILE", "ENDTEST", "CASE", "DEFAULT", "ENDPROC",
-    "ENDFUNC", "ENDTRAP", "ERROR", "UNDO", "ENDMODULE", "PROC", "FUNC", "TRAP", "MODULE", "RECORD",
-    "LOCAL", "VAR", "PERS", "CONST", "IF", "FOR", "WHILE", "TEST", "RETURN", "RAISE", "RETRY",
-    "TRYNEXT", "GOTO",
+    "ENDIF",
+    "ELSE",
+    "ELSEIF",
+    "ENDFOR",
+    "ENDWHILE",
+    "ENDTEST",
+    "CASE",
+    "DEFAULT",
+    "ENDPROC",
+    "ENDFUNC",
+    "ENDTRAP",
+    "ERROR",
+    "UNDO",
+    "ENDMODULE",
+    "PROC",
+    "FUNC",
+    "TRAP",
+    "MODULE",
+    "RECORD",
+    "LOCAL",
+    "VAR",
+    "PERS",
+    "CONST",
+    "IF",
+    "FOR",
+    "WHILE",
+    "TEST",
+    "RETURN",
+    "RAISE",
+    "RETRY",
+    "TRYNEXT",
+    "GOTO",
 ];
 
 /// Reserved words, which cannot be names.
 pub(crate) fn is_keyword(word: &str) -> bool {
     const KEYWORDS: [&str; 59] = [
-        "ALIAS", "AND", "BACKWARD", "CASE", "CONNECT", "CONST", "DEFAULT", "DIV", "DO", "ELSE",
-        "ELSEIF", "ENDFOR", "ENDFUNC", "ENDIF", "ENDMODULE", "ENDPROC", "ENDRECORD", "ENDTEST",
-        "ENDTRAP", "ENDWHILE", "ERROR", "EXIT", "FALSE", "FOR", "FROM", "FUNC", "GOTO", "IF",
-        "INOUT", "LOCAL", "MOD", "MODULE", "NOSTEPIN", "NOT", "NOVIEW", "OR", "PERS", "PROC",
-        "RAISE", "READONLY", "RECORD", "RETRY", "RETURN", "STEP", "SYSMODULE", "TEST", "THEN", "TO",
-        "TRAP", "TRUE", "TRYNEXT", "UNDO", "VAR", "VIEWONLY", "WHILE", "WITH", "XOR", "TASK",
+        "ALIAS",
+        "AND",
+        "BACKWARD",
+        "CASE",
+        "CONNECT",
+        "CONST",
+        "DEFAULT",
+        "DIV",
+        "DO",
+        "ELSE",
+        "ELSEIF",
+        "ENDFOR",
+        "ENDFUNC",
+        "ENDIF",
+        "ENDMODULE",
+        "ENDPROC",
+        "ENDRECORD",
+        "ENDTEST",
+        "ENDTRAP",
+        "ENDWHILE",
+        "ERROR",
+        "EXIT",
+        "FALSE",
+        "FOR",
+        "FROM",
+        "FUNC",
+        "GOTO",
+        "IF",
+        "INOUT",
+        "LOCAL",
+        "MOD",
+        "MODULE",
+        "NOSTEPIN",
+        "NOT",
+        "NOVIEW",
+        "OR",
+        "PERS",
+        "PROC",
+        "RAISE",
+        "READONLY",
+        "RECORD",
+        "RETRY",
+        "RETURN",
+        "STEP",
+        "SYSMODULE",
+        "TEST",
+        "THEN",
+        "TO",
+        "TRAP",
+        "TRUE",
+        "TRYNEXT",
+        "UNDO",
+        "VAR",
+        "VIEWONLY",
+        "WHILE",
+        "WITH",
+        "XOR",
+        "TASK",
         "ENDUNDO",
     ];
     // Module attributes are read as names by the module heading.

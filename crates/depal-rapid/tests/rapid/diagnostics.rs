@@ -8,13 +8,18 @@ use crate::fake_system::signals;
 fn messages(text: &str) -> String {
     let source = [SourceFile::new("cell.mod", text)];
     let loaded = load(&source, &signals(), "main");
-    let lines: Vec<_> = loaded.diagnostics.iter().map(|d| d.plain(&source)).collect();
+    let lines: Vec<_> = loaded
+        .diagnostics
+        .iter()
+        .map(|d| d.plain(&source))
+        .collect();
     lines.join("\n")
 }
 
 #[test]
 fn an_open_block_is_named_by_its_beginning() {
-    insta::assert_snapshot!(messages("MODULE m
+    insta::assert_snapshot!(messages(
+        "MODULE m
   PROC main()
     WHILE TRUE DO
       IF di_part = 1 THEN
@@ -26,12 +31,14 @@ fn an_open_block_is_named_by_its_beginning() {
       TPWrite \"y\"
     ENDFOR
   ENDPROC
-"), @"");
+"
+    ));
 }
 
 #[test]
 fn ten_mistakes_give_ten_messages() {
-    insta::assert_snapshot!(messages("MODULE m
+    insta::assert_snapshot!(messages(
+        "MODULE m
   VAR num count;
   VAR string name;
   CONST num limit := 3;
@@ -57,12 +64,14 @@ fn ten_mistakes_give_ten_messages() {
     RETURN 5;
   ENDPROC
 ENDMODULE
-"), @"");
+"
+    ));
 }
 
 #[test]
 fn duplicates_and_headings() {
-    insta::assert_snapshot!(messages("MODULE m
+    insta::assert_snapshot!(messages(
+        "MODULE m
   VAR num a;
   VAR bool A;
   VAR nmu b;
@@ -77,12 +86,14 @@ fn duplicates_and_headings() {
     p(1;
   ENDPROC
 ENDMODULE
-"), @"");
+"
+    ));
 }
 
 #[test]
 fn traps_are_refused_and_not_ignored() {
-    insta::assert_snapshot!(messages("MODULE m
+    insta::assert_snapshot!(messages(
+        "MODULE m
   PROC main()
     CONNECT a WITH b;
     %\"late\"%;
@@ -92,5 +103,6 @@ fn traps_are_refused_and_not_ignored() {
   TRAP b
   ENDTRAP
 ENDMODULE
-"), @"");
+"
+    ));
 }

@@ -18,7 +18,11 @@ fn trace(text: &str, mut system: FakeSystem) -> String {
         }
         other => format!("{other:?}"),
     };
-    format!("{}\n{:.3} {end}", system.trace.join("\n"), system.now.as_secs_f64())
+    format!(
+        "{}\n{:.3} {end}",
+        system.trace.join("\n"),
+        system.now.as_secs_f64()
+    )
 }
 
 const MOVES: &str = "MODULE m
@@ -42,7 +46,7 @@ ENDMODULE";
 
 #[test]
 fn fly_by_moves_run_ahead_and_fine_waits() {
-    insta::assert_snapshot!(trace(MOVES, FakeSystem::default()), @"");
+    insta::assert_snapshot!(trace(MOVES, FakeSystem::default()));
 }
 
 #[test]
@@ -78,7 +82,7 @@ ENDMODULE";
         ],
         ..FakeSystem::default()
     };
-    insta::assert_snapshot!(trace(text, system), @"");
+    insta::assert_snapshot!(trace(text, system));
     // Without the count the flag tells of the time.
     let system = FakeSystem {
         changes: vec![(at(1.0), "di_part".into(), 1.0)],
@@ -121,7 +125,7 @@ fn a_socket_client_waits_for_its_bytes() {
         replies: [(SimDuration::from_millis(300), vec![78, 4, 0, 0])].into(),
         ..FakeSystem::default()
     };
-    insta::assert_snapshot!(trace(CLIENT, system), @"");
+    insta::assert_snapshot!(trace(CLIENT, system));
 }
 
 #[test]
@@ -130,7 +134,7 @@ fn a_receive_time_out_is_simulated_time_and_can_be_retried() {
         replies: [(SimDuration::from_millis(3000), vec![78, 4, 0, 0])].into(),
         ..FakeSystem::default()
     };
-    insta::assert_snapshot!(trace(CLIENT, system), @"");
+    insta::assert_snapshot!(trace(CLIENT, system));
 }
 
 #[test]
@@ -156,7 +160,7 @@ fn a_closed_peer_and_a_refused_connection_are_errors() {
 #[test]
 fn stop_waits_for_the_arm() {
     let text = "MODULE m\nCONST jointtarget home := [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\nPROC main()\nMoveAbsJ home, v100, z10, tool0;\nStop;\nTPWrite \"never\";\nENDPROC\nENDMODULE";
-    insta::assert_snapshot!(trace(text, FakeSystem::default()), @"");
+    insta::assert_snapshot!(trace(text, FakeSystem::default()));
 }
 
 #[test]
@@ -182,5 +186,5 @@ fn positions_and_clocks_are_read() {
     TRYNEXT;
   ENDPROC
 ENDMODULE";
-    insta::assert_snapshot!(trace(text, FakeSystem::default()), @"");
+    insta::assert_snapshot!(trace(text, FakeSystem::default()));
 }

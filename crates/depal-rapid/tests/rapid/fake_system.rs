@@ -74,7 +74,9 @@ pub fn machine(text: &str) -> Machine {
         .map(|d| d.plain(std::slice::from_ref(&source)))
         .collect();
     Machine::new(
-        loaded.program.unwrap_or_else(|| panic!("{}", shown.join("\n"))),
+        loaded
+            .program
+            .unwrap_or_else(|| panic!("{}", shown.join("\n"))),
         "T_ROB1",
     )
 }
@@ -99,7 +101,11 @@ pub fn run(machine: &mut Machine, system: &mut FakeSystem) -> Step {
         for (_, name, value) in due {
             system.signals.insert(name, value);
         }
-        assert!(now < SimTime::from_nanos(1_000_000_000_000), "hangs at {:?}", machine.location());
+        assert!(
+            now < SimTime::from_nanos(1_000_000_000_000),
+            "hangs at {:?}",
+            machine.location()
+        );
     }
 }
 

@@ -7,11 +7,66 @@ use proptest::prelude::*;
 use crate::fake_system::signals;
 
 const WORDS: [&str; 60] = [
-    "MODULE", "ENDMODULE", "PROC", "ENDPROC", "FUNC", "ENDFUNC", "IF", "THEN", "ELSE", "ELSEIF",
-    "ENDIF", "FOR", "FROM", "TO", "STEP", "DO", "ENDFOR", "WHILE", "ENDWHILE", "TEST", "CASE",
-    "DEFAULT", "ENDTEST", "RETURN", "RAISE", "RETRY", "TRYNEXT", "ERROR", "VAR", "PERS", "CONST",
-    "RECORD", "ENDRECORD", "LOCAL", "num", "robtarget", "a", "b", "main", "x", ":=", "(", ")", "{",
-    "}", "[", "]", ",", ";", "\\", "?", "|", ".", "+", "-", "*", "=", "NOT", "1", "\"s\"",
+    "MODULE",
+    "ENDMODULE",
+    "PROC",
+    "ENDPROC",
+    "FUNC",
+    "ENDFUNC",
+    "IF",
+    "THEN",
+    "ELSE",
+    "ELSEIF",
+    "ENDIF",
+    "FOR",
+    "FROM",
+    "TO",
+    "STEP",
+    "DO",
+    "ENDFOR",
+    "WHILE",
+    "ENDWHILE",
+    "TEST",
+    "CASE",
+    "DEFAULT",
+    "ENDTEST",
+    "RETURN",
+    "RAISE",
+    "RETRY",
+    "TRYNEXT",
+    "ERROR",
+    "VAR",
+    "PERS",
+    "CONST",
+    "RECORD",
+    "ENDRECORD",
+    "LOCAL",
+    "num",
+    "robtarget",
+    "a",
+    "b",
+    "main",
+    "x",
+    ":=",
+    "(",
+    ")",
+    "{",
+    "}",
+    "[",
+    "]",
+    ",",
+    ";",
+    "\\",
+    "?",
+    "|",
+    ".",
+    "+",
+    "-",
+    "*",
+    "=",
+    "NOT",
+    "1",
+    "\"s\"",
 ];
 
 fn throw(text: &str) {
@@ -48,10 +103,21 @@ fn deep_nesting_is_an_error_and_not_a_crash() {
         );
         throw(&text);
     }
-    throw(&format!("MODULE m PROC main() {}", "IF a THEN ".repeat(20_000)));
-    throw(&format!("MODULE m PROC main() x := {}1; ENDPROC ENDMODULE", "1 + ".repeat(3000)));
-    throw(&format!("MODULE m PROC main() x := a{}; ENDPROC ENDMODULE", ".b".repeat(20_000)));
-    let chain: String = (0..3000).map(|i| format!("CONST num c{i} := c{};\n", i + 1)).collect();
+    throw(&format!(
+        "MODULE m PROC main() {}",
+        "IF a THEN ".repeat(20_000)
+    ));
+    throw(&format!(
+        "MODULE m PROC main() x := {}1; ENDPROC ENDMODULE",
+        "1 + ".repeat(3000)
+    ));
+    throw(&format!(
+        "MODULE m PROC main() x := a{}; ENDPROC ENDMODULE",
+        ".b".repeat(20_000)
+    ));
+    let chain: String = (0..3000)
+        .map(|i| format!("CONST num c{i} := c{};\n", i + 1))
+        .collect();
     throw(&format!("MODULE m\n{chain}ENDMODULE"));
     throw("MODULE m CONST num a := a; VAR num b{a}; RECORD r r x; ENDRECORD ENDMODULE");
 }
