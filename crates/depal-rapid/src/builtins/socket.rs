@@ -84,18 +84,18 @@ fn connect(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     match system.socket_connect(id, &address, port as u16) {
         Poll::Ready(Ok(())) => done(),
         Poll::Ready(Err(fault)) => Err(context.system_fault(fault)),
-        Poll::Pending => match timed_out(context, system, 3)? {
-            Some(limit) => Err(error(
-                "ERR_SOCK_TIMEOUT",
-                format!("no connection to {address}:{port} within {limit} s"),
-            )),
-            None => {
-                if context.notes.is_empty() {
-                    context.notes.push(Value::Bool(true));
-                }
-                Ok(Outcome::Blocked)
+        Poll::Pending => {
+            if let Some(limit) = timed_out(context, system, 3)? {
+                return Err(error(
+                    "ERR_SOCK_TIMEOUT",
+                    format!("no connection to {address}:{port} within {limit} s"),
+                ));
             }
-        },
+            if context.notes.is_empty() {
+                context.notes.push(Value::Bool(true));
+            }
+            Ok(Outcome::Blocked)
+        }
     }
 }
 

@@ -715,7 +715,9 @@ fn names_in(expression: &Expression, names: &mut Vec<String>) {
         | ExpressionKind::Not(inner) => names_in(inner, names),
         ExpressionKind::Index(inner, indexes) => {
             names_in(inner, names);
-            indexes.iter().for_each(|index| names_in(index, names));
+            for index in indexes {
+                names_in(index, names);
+            }
         }
         ExpressionKind::Call { arguments, .. } => {
             for argument in arguments {
@@ -728,7 +730,11 @@ fn names_in(expression: &Expression, names: &mut Vec<String>) {
                 }
             }
         }
-        ExpressionKind::Aggregate(items) => items.iter().for_each(|item| names_in(item, names)),
+        ExpressionKind::Aggregate(items) => {
+            for item in items {
+                names_in(item, names);
+            }
+        }
         ExpressionKind::Binary(_, left, right) => {
             names_in(left, names);
             names_in(right, names);

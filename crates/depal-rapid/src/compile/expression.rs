@@ -460,8 +460,8 @@ impl Compiler<'_> {
                 None
             };
         // A number times a literal record, a record times a literal number: no hint for the number.
-        let right_hint = right_hint
-            .filter(|t| !(is_literal_number(right) && !matches!(t, Type::Num | Type::Dnum)));
+        let right_hint =
+            right_hint.filter(|t| !is_literal_number(right) || matches!(t, Type::Num | Type::Dnum));
         let right_kind = self.value(right, right_hint.as_ref());
         if right_kind == Type::Dnum && left_kind == Type::Num && is_literal_number(left) {
             // Literals take the width of the other side; their code has the same length in both.

@@ -188,3 +188,106 @@ fn positions_and_clocks_are_read() {
 ENDMODULE";
     insta::assert_snapshot!(trace(text, FakeSystem::default()));
 }
+
+/// A client with the traits of a real one: packed head, several packets, retries, a list of targets.
+const LARGE: &str = "MODULE vision_client
+  LOCAL CONST num MOST := 10;
+  LOCAL CONST string ADDRESS := \"192.168.0.10\";
+  LOCAL VAR socketdev link;
+  LOCAL VAR num status;
+  LOCAL VAR num labels{MOST};
+  LOCAL VAR robtarget targets{MOST};
+  LOCAL VAR num reopened;
+
+  PROC send_request(num code \\num job \\switch WithPose)
+    VAR rawbytes out;
+    VAR jointtarget j;
+    PackRawBytes code, out, 1 \\IntX:=DINT;
+    IF Present(job) PackRawBytes job, out, RawBytesLen(out)+1 \\IntX:=DINT;
+    IF Present(WithPose) THEN
+      j := CJointT();
+      PackRawBytes j.robax.rax_1, out, RawBytesLen(out)+1 \\Float4;
+    ENDIF
+    SocketSend link \\RawData:=out;
+  ENDPROC
+
+  FUNC num read_list(INOUT robtarget list{*}, \\INOUT num marks{*})
+    VAR rawbytes head;
+    VAR rawbytes body;
+    VAR num count;
+    VAR num at := 1;
+    SocketReceive link \\RawData:=head \\ReadNoOfBytes:=8 \\Time:=1;
+    UnpackRawBytes head, 1, status \\IntX:=DINT;
+    UnpackRawBytes head, 5, count \\IntX:=DINT;
+    IF count > Dim(list, 1) RAISE 42;
+    FOR i FROM 1 TO count DO
+      SocketReceive link \\RawData:=body \\ReadNoOfBytes:=8 \\Time:=1;
+      UnpackRawBytes body, at, list{i}.trans.z \\Float4;
+      list{i}.rot := OrientZYX(0, 0, 180);
+      IF Present(marks) UnpackRawBytes body, at + 4, marks{i} \\IntX:=DINT;
+    ENDFOR
+    RETURN count;
+  ERROR
+    IF ERRNO = ERR_SOCK_TIMEOUT AND reopened < 2 THEN
+      Incr reopened;
+      RETRY;
+    ENDIF
+    RAISE;
+  ENDFUNC
+
+  PROC main()
+    VAR num n;
+    SocketCreate link;
+    SocketConnect link, ADDRESS, 50000;
+    send_request 105 \\job:=1, \\WithPose;
+    n := read_list(targets, \\marks:=labels);
+    TPWrite \"status \" \\Num:=status;
+    FOR i FROM 1 TO n DO
+      TEST labels{i}
+      CASE 7:
+        TPWrite \"box at \" \\Num:=targets{i}.trans.z;
+        MoveL Offs(targets{i}, 0, 0, 100), v500, z20, tool0;
+        MoveL targets{i}, v100, fine, tool0;
+      DEFAULT:
+        TPWrite \"unknown label \" \\Num:=labels{i};
+      ENDTEST
+    ENDFOR
+    SocketClose link;
+  ERROR
+    IF ERRNO = 42 THEN
+      TPWrite \"too many\";
+      SocketClose link;
+      RETURN;
+    ENDIF
+  ENDPROC
+ENDMODULE";
+
+fn list_reply(count: i32, items: &[(f32, i32)]) -> Vec<u8> {
+    let mut bytes = 1103i32.to_le_bytes().to_vec();
+    bytes.extend(count.to_le_bytes());
+    for (z, label) in items {
+        bytes.extend(z.to_le_bytes());
+        bytes.extend(label.to_le_bytes());
+    }
+    bytes
+}
+
+#[test]
+fn a_vision_client_reads_its_list_and_moves() {
+    let reply = list_reply(2, &[(250.0, 7), (500.0, 9)]);
+    let system = FakeSystem {
+        replies: [(SimDuration::from_millis(1500), reply)].into(),
+        ..FakeSystem::default()
+    };
+    insta::assert_snapshot!(trace(LARGE, system));
+    let system = FakeSystem {
+        replies: [(SimDuration::from_millis(10), list_reply(11, &[]))].into(),
+        ..FakeSystem::default()
+    };
+    assert!(trace(LARGE, system).contains("too many"));
+    let silent = trace(LARGE, FakeSystem::default());
+    assert!(
+        silent.contains("failed at") && silent.contains("ERR_SOCK_TIMEOUT: 0 of 8 bytes"),
+        "{silent}"
+    );
+}

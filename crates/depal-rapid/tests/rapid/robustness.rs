@@ -115,9 +115,10 @@ fn deep_nesting_is_an_error_and_not_a_crash() {
         "MODULE m PROC main() x := a{}; ENDPROC ENDMODULE",
         ".b".repeat(20_000)
     ));
-    let chain: String = (0..3000)
+    let chain: Vec<String> = (0..3000)
         .map(|i| format!("CONST num c{i} := c{};\n", i + 1))
         .collect();
+    let chain = chain.concat();
     throw(&format!("MODULE m\n{chain}ENDMODULE"));
     throw("MODULE m CONST num a := a; VAR num b{a}; RECORD r r x; ENDRECORD ENDMODULE");
 }
