@@ -8,6 +8,9 @@ use crate::builtins::Table;
 use crate::compile::compile;
 use crate::syntax::parser::parse;
 
+/// Most messages that are worth reading at once.
+const DIAGNOSTIC_LIMIT: usize = 200;
+
 /// A signal that programs may use by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SignalDefinition {
@@ -60,11 +63,7 @@ fn load_with(
     entry: Option<&str>,
 ) -> Loaded {
     let mut diagnostics = Vec::new();
-    let mut modules = parse(
-        u32::MAX,
-        include_str!("predefined.mod"),
-        &mut diagnostics,
-    );
+    let mut modules = parse(u32::MAX, include_str!("predefined.mod"), &mut diagnostics);
     for (index, source) in sources.iter().enumerate() {
         modules.extend(parse(index as u32, &source.text, &mut diagnostics));
     }
@@ -74,6 +73,16 @@ fn load_with(
     diagnostics.sort_by_key(|d| (d.primary.span.file, d.primary.span.start, d.severity));
     diagnostics.dedup();
     let failed = diagnostics.iter().any(|d| d.severity == Severity::Error);
+    if diagnostics.len() > DIAGNOSTIC_LIMIT {
+        let more = diagnostics.len() - DIAGNOSTIC_LIMIT;
+        let last = diagnostics[DIAGNOSTIC_LIMIT].primary.span;
+        diagnostics.truncate(DIAGNOSTIC_LIMIT);
+        diagnostics.push(Diagnostic::error(
+            "RAPID0999",
+            last,
+            format!("{more} more messages from here on are not shown"),
+        ));
+    }
     Loaded {
         program: (!failed).then(|| Arc::new(program)),
         diagnostics,

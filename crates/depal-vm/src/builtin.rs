@@ -18,8 +18,7 @@ pub enum Outcome {
 }
 
 /// The code of a built-in.
-pub type BuiltinFn =
-    fn(&mut CallContext<'_>, &mut dyn System) -> Result<Outcome, RaisedError>;
+pub type BuiltinFn = fn(&mut CallContext<'_>, &mut dyn System) -> Result<Outcome, RaisedError>;
 
 /// An instruction or function that the language crate supplies.
 #[derive(Clone, Copy)]

@@ -109,11 +109,10 @@ impl Diagnostic {
         let mut out = self.one_line(files);
         for label in std::iter::once(&self.primary).chain(&self.secondary) {
             if !label.message.is_empty() {
-                out.push_str(&format!(
-                    "\n    {}: {}",
-                    place(files, label.span),
-                    label.message
-                ));
+                out.push_str("\n    ");
+                out.push_str(&place(files, label.span));
+                out.push_str(": ");
+                out.push_str(&label.message);
             }
         }
         if let Some(help) = &self.help {

@@ -32,7 +32,9 @@ pub enum MachineFault {
     #[error("division by zero")]
     DivisionByZero,
     /// An optional parameter was used although the caller did not give it.
-    #[error("an optional parameter is used that the caller did not give; test it with Present first")]
+    #[error(
+        "an optional parameter is used that the caller did not give; test it with Present first"
+    )]
     NotPresent,
     /// A string became too long.
     #[error("the string would have {length} characters, at most {limit} fit")]
@@ -77,7 +79,9 @@ fn fault_text(fault: &Fault) -> String {
         Fault::SignalValue { signal, message } => format!("signal {signal}: {message}"),
         Fault::OutOfReach { message } => format!("out of reach: {message}"),
         Fault::MotionSupervision { message } => format!("motion supervision: {message}"),
-        Fault::SocketClosed => "the socket is closed, or the other side refused or closed it".into(),
+        Fault::SocketClosed => {
+            "the socket is closed, or the other side refused or closed it".into()
+        }
         Fault::SocketState { message } => format!("socket: {message}"),
     }
 }

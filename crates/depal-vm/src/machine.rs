@@ -6,9 +6,7 @@ use crate::execution::{RobotTask, RuntimeError, Step};
 use crate::memory::{Frame, Handling, Memory, PendingCall, element};
 use crate::operators::{binary, unary};
 use crate::system::{ProgramLocation, System};
-use crate::{
-    CallContext, MachineFault, Op, Outcome, Program, RaisedError, Reference, Root, Value,
-};
+use crate::{CallContext, MachineFault, Op, Outcome, Program, RaisedError, Reference, Root, Value};
 
 /// Runs a [`Program`], one statement a step. Cloning it is a snapshot of the whole task.
 #[derive(Debug, Clone)]

@@ -18,7 +18,10 @@ pub(super) const ENTRIES: [Entry; 12] = [
         "FUNC robtarget RelTool(robtarget Point, num Dx, num Dy, num Dz \\num Rx \\num Ry \\num Rz)",
         rel_tool,
     ),
-    ("FUNC orient OrientZYX(num ZAngle, num YAngle, num XAngle)", orient_zyx),
+    (
+        "FUNC orient OrientZYX(num ZAngle, num YAngle, num XAngle)",
+        orient_zyx,
+    ),
     (
         "FUNC num EulerZYX(\\switch X | switch Y | switch Z, orient Rotation)",
         euler_zyx,

@@ -7,7 +7,10 @@ use crate::errors::error;
 type Ran = Result<Outcome, RaisedError>;
 
 pub(super) const ENTRIES: [Entry; 15] = [
-    ("PROC SetDO(\\switch Sync, signaldo Signal, num Value)", set_do),
+    (
+        "PROC SetDO(\\switch Sync, signaldo Signal, num Value)",
+        set_do,
+    ),
     ("PROC SetGO(signalgo Signal, numeric Value)", set_value),
     ("PROC SetAO(signalao Signal, num Value)", set_value),
     ("PROC Set(signaldo Signal)", set),

@@ -81,7 +81,9 @@ fn pow(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     let (base, exponent) = (context.number(0)?, context.number(1)?);
     let value = base.powf(exponent);
     if !value.is_finite() {
-        return Err(context.argument_error(format!("{base} to the power of {exponent} is no number")));
+        return Err(
+            context.argument_error(format!("{base} to the power of {exponent} is no number"))
+        );
     }
     number(context, value)
 }
@@ -134,7 +136,9 @@ fn to_dnum(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
 fn to_num(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     let value = context.number(0)?;
     if context.is_given(1) && f64::from(value as f32) != value.trunc() {
-        return Err(context.argument_error(format!("{value} is no whole number that a num can hold")));
+        return Err(
+            context.argument_error(format!("{value} is no whole number that a num can hold"))
+        );
     }
     Ok(Outcome::Done(Value::Num(value as f32)))
 }

@@ -23,7 +23,10 @@ pub(super) const ENTRIES: [Entry; 17] = [
         "PROC MoveL(\\switch Conc, robtarget ToPoint \\num ID, speeddata Speed \\num V, zonedata Zone \\num Z, tooldata Tool \\wobjdata WObj \\switch Corr \\loaddata TLoad)",
         move_l,
     ),
-    ("PROC AccSet(num Acc, num Ramp \\num FinePointRamp)", acc_set),
+    (
+        "PROC AccSet(num Acc, num Ramp \\num FinePointRamp)",
+        acc_set,
+    ),
     ("PROC VelSet(num Override, num Max)", vel_set),
     ("PROC ConfJ(\\switch On | switch Off)", configuration),
     ("PROC ConfL(\\switch On | switch Off)", configuration),
@@ -32,7 +35,10 @@ pub(super) const ENTRIES: [Entry; 17] = [
         accepted,
     ),
     ("PROC GripLoad(loaddata Load)", accepted),
-    ("PROC MotionSup(\\switch On | switch Off \\num TuneValue)", motion_sup),
+    (
+        "PROC MotionSup(\\switch On | switch Off \\num TuneValue)",
+        motion_sup,
+    ),
     ("PROC WaitRob(\\switch InPos | switch ZeroSpeed)", wait_rob),
     ("PROC Stop(\\switch NoRegain | switch AllMoveTasks)", stop),
     ("PROC ExitCycle()", exit_cycle),
@@ -72,7 +78,8 @@ fn request(
             number(speed_data, 1)
         )));
     }
-    let modal = |name: &str, default: f64| context.memory.modal.get(name).copied().unwrap_or(default);
+    let modal =
+        |name: &str, default: f64| context.memory.modal.get(name).copied().unwrap_or(default);
     let share = modal("velocity_percent", 100.0) / 100.0;
     let most_mm_s = modal("velocity_limit_mm_s", f64::INFINITY);
     let zone = if part(zone_data, 0) == &Value::Bool(true) {

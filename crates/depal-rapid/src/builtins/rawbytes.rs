@@ -15,7 +15,10 @@ pub(super) const ENTRIES: [Entry; 5] = [
         "PROC UnpackRawBytes(INOUT rawbytes RawData \\switch Network, num StartIndex, INOUT anytype Value \\switch Hex1 | num IntX | switch Float4 | switch Float8 | num ASCII)",
         unpack,
     ),
-    ("PROC ClearRawBytes(INOUT rawbytes RawData \\num FromIndex)", clear),
+    (
+        "PROC ClearRawBytes(INOUT rawbytes RawData \\num FromIndex)",
+        clear,
+    ),
     (
         "PROC CopyRawBytes(INOUT rawbytes FromRawData, num FromIndex, INOUT rawbytes ToRawData, num ToIndex \\num NoOfBytes)",
         copy,
@@ -26,7 +29,9 @@ pub(super) const ENTRIES: [Entry; 5] = [
 fn raw(context: &CallContext<'_>, index: usize) -> Result<RawBytes, RaisedError> {
     match context.required(index)? {
         Value::Raw(raw) => Ok((**raw).clone()),
-        other => Err(context.argument_error(format!("expected rawbytes, found {}", other.kind_name()))),
+        other => {
+            Err(context.argument_error(format!("expected rawbytes, found {}", other.kind_name())))
+        }
     }
 }
 
@@ -169,13 +174,15 @@ fn unpack(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
         context.assign_number(3, f64::from_le_bytes(eight))?;
     } else if let Some(count) = context.optional_number(8)? {
         if !(1.0..=80.0).contains(&count) {
-            return Err(context.argument_error(format!("\\ASCII is {count}; a string holds 1 to 80")));
+            return Err(
+                context.argument_error(format!("\\ASCII is {count}; a string holds 1 to 80"))
+            );
         }
         let bytes = source.as_slice().get(at..at + count as usize);
         let Some(bytes) = bytes else {
-            return Err(take(count as usize).err().unwrap_or_else(|| {
-                error("ERR_RANYBIN_EOF", "not enough bytes")
-            }));
+            return Err(take(count as usize)
+                .err()
+                .unwrap_or_else(|| error("ERR_RANYBIN_EOF", "not enough bytes")));
         };
         let text = bytes.iter().map(|b| char::from(*b)).collect();
         context.assign(3, Value::Str(text))?;
@@ -210,15 +217,15 @@ fn copy(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     let Some(bytes) = source.as_slice().get(from..from + count) else {
         return Err(error(
             "ERR_RANYBIN_EOF",
-            format!("{count} bytes from index {} on: only {there} are there", from + 1),
+            format!(
+                "{count} bytes from index {} on: only {there} are there",
+                from + 1
+            ),
         ));
     };
     let mut target = raw(context, 2)?;
     if !target.write(to, bytes) {
-        return Err(context.argument_error(format!(
-            "{count} bytes do not fit at index {}",
-            to + 1
-        )));
+        return Err(context.argument_error(format!("{count} bytes do not fit at index {}", to + 1)));
     }
     context.assign(2, Value::Raw(Box::new(target)))?;
     done()

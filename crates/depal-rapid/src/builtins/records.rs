@@ -117,7 +117,11 @@ pub(super) fn joints(value: &Value, count: usize) -> Result<JointPositions, Rais
     if let Some(axis) = degrees.iter().position(|d| d.abs() > 1e6) {
         return Err(error(
             "ERR_ROBLIMIT",
-            format!("axis {} of the target is {} degrees", axis + 1, degrees[axis]),
+            format!(
+                "axis {} of the target is {} degrees",
+                axis + 1,
+                degrees[axis]
+            ),
         ));
     }
     Ok(JointPositions::from_degrees(&degrees))

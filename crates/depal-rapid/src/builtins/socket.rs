@@ -1,7 +1,7 @@
 use std::task::Poll;
 
 use depal_vm::system::{Fault, Received, SocketId, SocketState, System};
-use depal_vm::{CallContext, Outcome, RAW_BYTES_LIMIT, RawBytes, RaisedError, Value};
+use depal_vm::{CallContext, Outcome, RAW_BYTES_LIMIT, RaisedError, RawBytes, Value};
 
 use super::table::Entry;
 use crate::errors::error;
@@ -9,7 +9,10 @@ use crate::errors::error;
 type Ran = Result<Outcome, RaisedError>;
 
 pub(super) const ENTRIES: [Entry; 6] = [
-    ("PROC SocketCreate(INOUT socketdev Socket \\switch UDP)", create),
+    (
+        "PROC SocketCreate(INOUT socketdev Socket \\switch UDP)",
+        create,
+    ),
     (
         "PROC SocketConnect(INOUT socketdev Socket, string Address, num Port \\num Time)",
         connect,
@@ -81,18 +84,18 @@ fn connect(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     match system.socket_connect(id, &address, port as u16) {
         Poll::Ready(Ok(())) => done(),
         Poll::Ready(Err(fault)) => Err(context.system_fault(fault)),
-        Poll::Pending => match timed_out(context, system, 3)? {
-            Some(limit) => Err(error(
-                "ERR_SOCK_TIMEOUT",
-                format!("no connection to {address}:{port} within {limit} s"),
-            )),
-            None => {
-                if context.notes.is_empty() {
-                    context.notes.push(Value::Bool(true));
-                }
-                Ok(Outcome::Blocked)
+        Poll::Pending => {
+            if let Some(limit) = timed_out(context, system, 3)? {
+                return Err(error(
+                    "ERR_SOCK_TIMEOUT",
+                    format!("no connection to {address}:{port} within {limit} s"),
+                ));
             }
-        },
+            if context.notes.is_empty() {
+                context.notes.push(Value::Bool(true));
+            }
+            Ok(Outcome::Blocked)
+        }
     }
 }
 
@@ -140,9 +143,9 @@ fn receive(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let wanted = match context.optional_number(4)? {
         Some(count) if count >= 1.0 && count <= most as f64 => Some(count as usize),
         Some(count) => {
-            return Err(context.argument_error(format!(
-                "\\ReadNoOfBytes is {count}; 1 to {most} fit here"
-            )));
+            return Err(
+                context.argument_error(format!("\\ReadNoOfBytes is {count}; 1 to {most} fit here"))
+            );
         }
         None => None,
     };

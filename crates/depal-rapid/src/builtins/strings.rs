@@ -6,21 +6,48 @@ use super::table::Entry;
 type Ran = Result<Outcome, RaisedError>;
 
 pub(super) const ENTRIES: [Entry; 12] = [
-    ("FUNC string NumToStr(num Val, num Dec \\switch Exp)", num_to_str),
-    ("FUNC string DnumToStr(dnum Val, num Dec \\switch Exp)", num_to_str),
+    (
+        "FUNC string NumToStr(num Val, num Dec \\switch Exp)",
+        num_to_str,
+    ),
+    (
+        "FUNC string DnumToStr(dnum Val, num Dec \\switch Exp)",
+        num_to_str,
+    ),
     ("FUNC string ValToStr(anytype Val)", val_to_str),
     ("FUNC num StrLen(string Str)", str_len),
-    ("FUNC string StrPart(string Str, num ChPos, num Len)", str_part),
+    (
+        "FUNC string StrPart(string Str, num ChPos, num Len)",
+        str_part,
+    ),
     (
         "FUNC num StrFind(string Str, num ChPos, string Set \\switch NotInSet)",
         str_find,
     ),
-    ("FUNC num StrMatch(string Str, num ChPos, string Pattern)", str_match),
-    ("FUNC bool StrToVal(string Str, INOUT anytype Val)", str_to_val),
-    ("FUNC bool StrMemb(string Str, num ChPos, string Set)", str_memb),
-    ("FUNC string StrMap(string Str, string FromMap, string ToMap)", str_map),
-    ("FUNC string ByteToStr(num ByteData \\switch Hex | switch Char)", byte_to_str),
-    ("FUNC num StrToByte(string ConStr \\switch Hex | switch Char)", str_to_byte),
+    (
+        "FUNC num StrMatch(string Str, num ChPos, string Pattern)",
+        str_match,
+    ),
+    (
+        "FUNC bool StrToVal(string Str, INOUT anytype Val)",
+        str_to_val,
+    ),
+    (
+        "FUNC bool StrMemb(string Str, num ChPos, string Set)",
+        str_memb,
+    ),
+    (
+        "FUNC string StrMap(string Str, string FromMap, string ToMap)",
+        str_map,
+    ),
+    (
+        "FUNC string ByteToStr(num ByteData \\switch Hex | switch Char)",
+        byte_to_str,
+    ),
+    (
+        "FUNC num StrToByte(string ConStr \\switch Hex | switch Char)",
+        str_to_byte,
+    ),
 ];
 
 /// A value as ValToStr and TPWrite show it: num with 6 significant digits, dnum with 15.
@@ -60,7 +87,7 @@ fn significant(value: f64, digits: usize) -> String {
             text.to_owned()
         }
     };
-    if exponent < -5 || exponent > digits as i32 {
+    if exponent < -5 || exponent >= digits as i32 {
         let sign = if exponent < 0 { '-' } else { '+' };
         return format!("{}E{sign}{:02}", trim(mantissa), exponent.abs());
     }
@@ -118,7 +145,9 @@ fn position(context: &CallContext<'_>, index: usize, length: usize) -> Result<us
 }
 
 fn str_len(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
-    Ok(Outcome::Done(Value::Num(characters(context, 0)?.len() as f32)))
+    Ok(Outcome::Done(Value::Num(
+        characters(context, 0)?.len() as f32
+    )))
 }
 
 fn str_part(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
@@ -132,7 +161,10 @@ fn str_part(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
             characters.len()
         )));
     }
-    text(context, characters[from..from + count as usize].iter().collect())
+    text(
+        context,
+        characters[from..from + count as usize].iter().collect(),
+    )
 }
 
 /// Position of the first character of a set; the length plus 1 if there is none.
@@ -204,7 +236,10 @@ fn str_to_byte(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     let byte = if context.is_given(1) {
         u8::from_str_radix(&given, 16).ok()
     } else if context.is_given(2) {
-        given.chars().next().and_then(|c| u8::try_from(u32::from(c)).ok())
+        given
+            .chars()
+            .next()
+            .and_then(|c| u8::try_from(u32::from(c)).ok())
     } else {
         given.trim().parse().ok()
     };

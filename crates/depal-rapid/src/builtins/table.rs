@@ -20,18 +20,97 @@ const LOWERED: [(&str, Callee); 2] = [
 
 /// Names of the controller that are known and refused with a clear message.
 const REFUSED: [&str; 92] = [
-    "MoveC", "MoveLDO", "MoveJDO", "MoveCDO", "MoveLSync", "MoveJSync", "MoveCSync", "MoveExtJ", "TriggL", "TriggJ", "TriggC",
-    "TriggIO", "TriggEquip", "TriggInt", "SearchL", "SearchC", "SearchExtJ", "StopMove", "StartMove",
-    "ClearPath", "StorePath", "RestoPath", "StepBwdPath", "PulseDO", "InvertDO", "WaitAI", "WaitAO",
-    "AliasIO", "IODisable", "IOEnable", "ISignalDI", "ISignalDO", "ISignalGI", "ISignalGO",
-    "ITimer", "IPers", "IError", "IDelete", "IDisable", "IEnable", "ISleep", "IWatch", "IPathPos",
-    "SocketBind", "SocketListen", "SocketAccept", "SocketSendTo", "SocketReceiveFrom", "SocketPeek",
-    "Open", "Close", "Write", "WriteBin", "WriteStrBin", "WriteAnyBin", "WriteRawBytes",
-    "ReadRawBytes", "ReadStr", "ReadNum", "ReadBin", "ReadStrBin", "ReadAnyBin", "Rewind",
-    "ClearIOBuff", "UIMsgBox", "UIMessageBox", "UINumEntry", "UINumTune", "UIAlphaEntry",
-    "UIListView", "UIShow", "TPReadFK", "TPReadNum", "TPReadDnum", "TPShow", "WaitSyncTask",
-    "SyncMoveOn", "SyncMoveOff", "WaitTestAndSet", "TestAndSet", "Load", "UnLoad", "StartLoad",
-    "WaitLoad", "SoftAct", "SoftDeact", "EOffsSet", "EOffsOn", "EOffsOff", "PDispSet", "PDispOn",
+    "MoveC",
+    "MoveLDO",
+    "MoveJDO",
+    "MoveCDO",
+    "MoveLSync",
+    "MoveJSync",
+    "MoveCSync",
+    "MoveExtJ",
+    "TriggL",
+    "TriggJ",
+    "TriggC",
+    "TriggIO",
+    "TriggEquip",
+    "TriggInt",
+    "SearchL",
+    "SearchC",
+    "SearchExtJ",
+    "StopMove",
+    "StartMove",
+    "ClearPath",
+    "StorePath",
+    "RestoPath",
+    "StepBwdPath",
+    "PulseDO",
+    "InvertDO",
+    "WaitAI",
+    "WaitAO",
+    "AliasIO",
+    "IODisable",
+    "IOEnable",
+    "ISignalDI",
+    "ISignalDO",
+    "ISignalGI",
+    "ISignalGO",
+    "ITimer",
+    "IPers",
+    "IError",
+    "IDelete",
+    "IDisable",
+    "IEnable",
+    "ISleep",
+    "IWatch",
+    "IPathPos",
+    "SocketBind",
+    "SocketListen",
+    "SocketAccept",
+    "SocketSendTo",
+    "SocketReceiveFrom",
+    "SocketPeek",
+    "Open",
+    "Close",
+    "Write",
+    "WriteBin",
+    "WriteStrBin",
+    "WriteAnyBin",
+    "WriteRawBytes",
+    "ReadRawBytes",
+    "ReadStr",
+    "ReadNum",
+    "ReadBin",
+    "ReadStrBin",
+    "ReadAnyBin",
+    "Rewind",
+    "ClearIOBuff",
+    "UIMsgBox",
+    "UIMessageBox",
+    "UINumEntry",
+    "UINumTune",
+    "UIAlphaEntry",
+    "UIListView",
+    "UIShow",
+    "TPReadFK",
+    "TPReadNum",
+    "TPReadDnum",
+    "TPShow",
+    "WaitSyncTask",
+    "SyncMoveOn",
+    "SyncMoveOff",
+    "WaitTestAndSet",
+    "TestAndSet",
+    "Load",
+    "UnLoad",
+    "StartLoad",
+    "WaitLoad",
+    "SoftAct",
+    "SoftDeact",
+    "EOffsSet",
+    "EOffsOn",
+    "EOffsOff",
+    "PDispSet",
+    "PDispOn",
     "CallByVar",
 ];
 
@@ -45,7 +124,10 @@ pub(crate) fn refused(name: &str) -> Option<&'static str> {
 
 /// Names of all instructions and functions that run here.
 pub fn built_in_names() -> Vec<&'static str> {
-    let mut names: Vec<_> = entries().iter().map(|(heading, _)| name_of(heading)).collect();
+    let mut names: Vec<_> = entries()
+        .iter()
+        .map(|(heading, _)| name_of(heading))
+        .collect();
     names.extend(LOWERED.iter().map(|(heading, _)| name_of(heading)));
     names.push("Present");
     names.sort_unstable();
@@ -110,7 +192,9 @@ impl Table {
     }
 
     pub(crate) fn headings(&self) -> impl Iterator<Item = (&Routine, Callee)> {
-        self.headings.iter().map(|(routine, callee)| (routine, *callee))
+        self.headings
+            .iter()
+            .map(|(routine, callee)| (routine, *callee))
     }
 
     pub(crate) fn builtins(&self) -> Vec<Builtin> {

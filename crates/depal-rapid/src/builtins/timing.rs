@@ -11,7 +11,10 @@ pub(super) const ENTRIES: [Entry; 5] = [
     ("PROC ClkReset(INOUT clock Clock)", clk_reset),
     ("PROC ClkStart(INOUT clock Clock)", clk_start),
     ("PROC ClkStop(INOUT clock Clock)", clk_stop),
-    ("FUNC num ClkRead(INOUT clock Clock \\switch HighRes)", clk_read),
+    (
+        "FUNC num ClkRead(INOUT clock Clock \\switch HighRes)",
+        clk_read,
+    ),
 ];
 
 /// Used by WaitUntil \InPos.
@@ -44,7 +47,9 @@ fn wait_time(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
 fn clock(context: &CallContext<'_>) -> Result<ClockState, RaisedError> {
     match context.required(0)? {
         Value::Clock(clock) => Ok(*clock),
-        other => Err(context.argument_error(format!("expected a clock, found {}", other.kind_name()))),
+        other => {
+            Err(context.argument_error(format!("expected a clock, found {}", other.kind_name())))
+        }
     }
 }
 

@@ -28,16 +28,16 @@ impl Compiler<'_> {
         }
         if let Some(known) = crate::builtins::refused(&name.text) {
             self.error(
-                Diagnostic::error(
-                    "RAPID0112",
-                    name.span,
-                    format!("{known} is not simulated"),
-                )
-                .help("it exists on the controller; this program cannot run here as it stands"),
+                Diagnostic::error("RAPID0112", name.span, format!("{known} is not simulated"))
+                    .help("it exists on the controller; this program cannot run here as it stands"),
             );
             return None;
         }
-        let kind = if function { "function" } else { "instruction or procedure" };
+        let kind = if function {
+            "function"
+        } else {
+            "instruction or procedure"
+        };
         let mut diagnostic = Diagnostic::error(
             "RAPID0101",
             name.span,
@@ -68,7 +68,7 @@ impl Compiler<'_> {
             let index = match argument {
                 Argument::Positional(_) => {
                     while next < parameters.len()
-                        && (parameters[next].optional || self.group_taken(parameters, &matched, next))
+                        && (parameters[next].optional || group_taken(parameters, &matched, next))
                     {
                         next += 1;
                     }
@@ -96,12 +96,11 @@ impl Compiler<'_> {
                             given.span,
                             format!("{} has no argument {} here", name.text, given.text),
                         );
-                        diagnostic.help = Some(
-                            match super::scope::nearest_name(&given.text, names) {
+                        diagnostic.help =
+                            Some(match super::scope::nearest_name(&given.text, names) {
                                 Some(near) => format!("did you mean \\{near}?"),
                                 None => usage(signature),
-                            },
-                        );
+                            });
                         self.error(diagnostic);
                         continue;
                     };
@@ -125,24 +124,7 @@ impl Compiler<'_> {
         matched
     }
 
-    fn group_taken(
-        &self,
-        parameters: &[ParameterType],
-        matched: &[Option<&Argument>],
-        index: usize,
-    ) -> bool {
-        parameters
-            .iter()
-            .zip(matched)
-            .any(|(p, m)| p.group == parameters[index].group && m.is_some())
-    }
-
-    fn check_groups(
-        &mut self,
-        signature: &Signature,
-        name: &Name,
-        matched: &[Option<&Argument>],
-    ) {
+    fn check_groups(&mut self, signature: &Signature, name: &Name, matched: &[Option<&Argument>]) {
         let parameters = &signature.parameters;
         for (index, parameter) in parameters.iter().enumerate() {
             let same = |i: &usize| parameters[*i].group == parameter.group;
@@ -245,14 +227,19 @@ impl Compiler<'_> {
         let Some(data) = self.root_data(value) else {
             return;
         };
-        let fits = match (parameter.mode, data.access) {
-            (_, Access::Stored(Storage::Const) | Access::LoopVariable) => false,
-            (Mode::Var, Access::Stored(Storage::Pers) | Access::Parameter(Mode::Pers)) => false,
-            (Mode::Pers, Access::Stored(Storage::Var)) => false,
-            (Mode::Pers, Access::Parameter(Mode::Value | Mode::Var)) => false,
-            _ => true,
-        };
-        if fits {
+        let refused = matches!(
+            (parameter.mode, data.access),
+            (_, Access::Stored(Storage::Const) | Access::LoopVariable)
+                | (
+                    Mode::Var,
+                    Access::Stored(Storage::Pers) | Access::Parameter(Mode::Pers)
+                )
+                | (
+                    Mode::Pers,
+                    Access::Stored(Storage::Var) | Access::Parameter(Mode::Value | Mode::Var)
+                )
+        );
+        if !refused {
             return;
         }
         let wanted = match parameter.mode {
@@ -343,11 +330,21 @@ fn usage(signature: &Signature) -> String {
     let mut text = format!("usage: {}", signature.name);
     for (i, parameter) in signature.parameters.iter().enumerate() {
         if parameter.optional {
-            text.push_str(&format!(" [\\{}]", parameter.name));
+            text.push_str(" [\\");
+            text.push_str(&parameter.name);
+            text.push(']');
         } else {
             text.push_str(if i == 0 { " " } else { ", " });
             text.push_str(&parameter.name);
         }
     }
     text
+}
+
+/// Whether another alternative of a parameter was given.
+fn group_taken(parameters: &[ParameterType], matched: &[Option<&Argument>], index: usize) -> bool {
+    parameters
+        .iter()
+        .zip(matched)
+        .any(|(p, m)| p.group == parameters[index].group && m.is_some())
 }

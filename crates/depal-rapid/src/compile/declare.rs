@@ -27,7 +27,11 @@ pub(crate) fn compile(
         .map(|file| {
             let newlines = file.text.bytes().enumerate();
             std::iter::once(0)
-                .chain(newlines.filter(|(_, b)| *b == b'\n').map(|(i, _)| i as u32 + 1))
+                .chain(
+                    newlines
+                        .filter(|(_, b)| *b == b'\n')
+                        .map(|(i, _)| i as u32 + 1),
+                )
                 .collect()
         })
         .collect();
@@ -77,6 +81,13 @@ struct Declared<'x> {
     data: &'x Data,
     slot: u32,
     kind: Type,
+}
+
+/// Which initial values are computed, and which have been begun.
+#[derive(Default)]
+struct Progress {
+    done: BTreeSet<usize>,
+    open: BTreeSet<usize>,
 }
 
 impl Compiler<'_> {
@@ -130,7 +141,9 @@ impl Compiler<'_> {
                     }
                     other => other,
                 };
-                self.records[index].fields.push((name.text.clone(), resolved));
+                self.records[index]
+                    .fields
+                    .push((name.text.clone(), resolved));
             }
         }
     }
@@ -149,8 +162,19 @@ impl Compiler<'_> {
             return Type::Broken;
         }
         const SIMPLE: [&str; 13] = [
-            "num", "dnum", "bool", "string", "rawbytes", "socketdev", "clock", "switch", "errnum",
-            "signaldi", "signaldo", "signalgi", "signalgo",
+            "num",
+            "dnum",
+            "bool",
+            "string",
+            "rawbytes",
+            "socketdev",
+            "clock",
+            "switch",
+            "errnum",
+            "signaldi",
+            "signaldo",
+            "signalgi",
+            "signalgo",
         ];
         let names = SIMPLE
             .iter()
@@ -227,8 +251,12 @@ impl Compiler<'_> {
         if let Some(first) = scope.get(&name.key()) {
             let first = first.span();
             self.error(
-                Diagnostic::error("RAPID0110", name.span, format!("{} is declared twice", name.text))
-                    .secondary(first, "first declared here"),
+                Diagnostic::error(
+                    "RAPID0110",
+                    name.span,
+                    format!("{} is declared twice", name.text),
+                )
+                .secondary(first, "first declared here"),
             );
             return;
         }
@@ -253,7 +281,6 @@ impl Compiler<'_> {
                     optional: false,
                     span: data.name.span,
                     constant: constant_of(data),
-                    module,
                 });
                 self.declare(module, data.local, &data.name, symbol);
                 declared.push(Declared {
@@ -291,7 +318,11 @@ impl Compiler<'_> {
         }
         if data.sizes.len() > 3 {
             let span = data.name.span;
-            self.error(Diagnostic::error("RAPID0114", span, "an array has at most 3 dimensions"));
+            self.error(Diagnostic::error(
+                "RAPID0114",
+                span,
+                "an array has at most 3 dimensions",
+            ));
             return Type::Broken;
         }
         let mut sizes = Vec::new();
@@ -398,11 +429,14 @@ impl Compiler<'_> {
     /// Initial values in an order in which each is there before it is used.
     fn initial_values(&mut self, declared: &[Declared<'_>]) {
         self.body = Body::default();
-        let by_slot: BTreeMap<u32, usize> =
-            declared.iter().enumerate().map(|(i, d)| (d.slot, i)).collect();
-        let mut done = BTreeSet::new();
+        let by_slot: BTreeMap<u32, usize> = declared
+            .iter()
+            .enumerate()
+            .map(|(i, d)| (d.slot, i))
+            .collect();
+        let mut progress = Progress::default();
         for index in 0..declared.len() {
-            self.initial_value(declared, &by_slot, index, &mut done, 0);
+            self.initial_value(declared, &by_slot, index, &mut progress, 0);
         }
         self.emit(Op::Return { value: false });
         let body = std::mem::take(&mut self.body);
@@ -424,14 +458,26 @@ impl Compiler<'_> {
         declared: &[Declared<'_>],
         by_slot: &BTreeMap<u32, usize>,
         index: usize,
-        done: &mut BTreeSet<usize>,
+        progress: &mut Progress,
         depth: usize,
     ) {
-        if depth > 100 || !done.insert(index) {
+        let item = &declared[index];
+        if progress.done.contains(&index) {
             return;
         }
-        let item = &declared[index];
+        if depth > 100 || !progress.open.insert(index) {
+            self.error(Diagnostic::error(
+                "RAPID0135",
+                item.data.name.span,
+                format!(
+                    "the value of {} depends on itself, or on more than 100 others in a chain",
+                    item.data.name.text
+                ),
+            ));
+            return;
+        }
         let Some(value) = &item.data.value else {
+            progress.done.insert(index);
             if item.data.storage == Storage::Const {
                 self.error(Diagnostic::error(
                     "RAPID0133",
@@ -448,10 +494,11 @@ impl Compiler<'_> {
             if let Some(Symbol::Data(data)) = self.lookup(&name)
                 && let Slot::Global(slot) = data.slot
             {
-                self.initial_value(declared, by_slot, by_slot[&slot], done, depth + 1);
+                self.initial_value(declared, by_slot, by_slot[&slot], progress, depth + 1);
             }
         }
         self.module = item.module;
+        progress.done.insert(index);
         let begin = self.body.code.len();
         self.value(value, Some(&item.kind));
         if let [Op::Push(constant)] = &self.body.code[begin..] {
@@ -493,7 +540,6 @@ impl Compiler<'_> {
                     optional: parameter.optional,
                     span: tree.name.span,
                     constant: None,
-                    module: self.module,
                 },
             );
         }
@@ -501,7 +547,6 @@ impl Compiler<'_> {
             self.local_data(data);
         }
         self.statements(&routine.body);
-        let end_line = self.line(routine.end);
         if signature.result.is_some() {
             self.emit(Op::MissingReturn);
         } else {
@@ -531,7 +576,6 @@ impl Compiler<'_> {
             ErrorHandler { entry, numbers }
         });
         self.resolve_gotos();
-        let _ = end_line;
         let body = std::mem::take(&mut self.body);
         self.program.routines[index as usize] = Lowered {
             name: routine.name.text.clone(),
@@ -609,7 +653,6 @@ impl Compiler<'_> {
                 optional: false,
                 span: data.name.span,
                 constant: constant_of(data),
-                module: self.module,
             },
         );
     }
@@ -631,7 +674,9 @@ impl Compiler<'_> {
                 self.error(Diagnostic::error(
                     "RAPID0117",
                     span,
-                    format!("{entry} cannot be started: it must be a PROC without required parameters"),
+                    format!(
+                        "{entry} cannot be started: it must be a PROC without required parameters"
+                    ),
                 ));
             }
             None => {
@@ -670,7 +715,9 @@ fn names_in(expression: &Expression, names: &mut Vec<String>) {
         | ExpressionKind::Not(inner) => names_in(inner, names),
         ExpressionKind::Index(inner, indexes) => {
             names_in(inner, names);
-            indexes.iter().for_each(|index| names_in(index, names));
+            for index in indexes {
+                names_in(index, names);
+            }
         }
         ExpressionKind::Call { arguments, .. } => {
             for argument in arguments {
@@ -683,7 +730,11 @@ fn names_in(expression: &Expression, names: &mut Vec<String>) {
                 }
             }
         }
-        ExpressionKind::Aggregate(items) => items.iter().for_each(|item| names_in(item, names)),
+        ExpressionKind::Aggregate(items) => {
+            for item in items {
+                names_in(item, names);
+            }
+        }
         ExpressionKind::Binary(_, left, right) => {
             names_in(left, names);
             names_in(right, names);

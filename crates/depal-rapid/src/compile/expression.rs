@@ -336,8 +336,12 @@ impl Compiler<'_> {
     fn aggregate(&mut self, items: &[Expression], span: Span, expected: Option<&Type>) -> Type {
         let Some(expected) = expected else {
             self.error(
-                Diagnostic::error("RAPID0123", span, "the type of this aggregate cannot be told here")
-                    .help("assign it to declared data first"),
+                Diagnostic::error(
+                    "RAPID0123",
+                    span,
+                    "the type of this aggregate cannot be told here",
+                )
+                .help("assign it to declared data first"),
             );
             self.emit(Op::Push(Value::Absent));
             return Type::Broken;
@@ -448,14 +452,16 @@ impl Compiler<'_> {
             self.value(left, left_hint)
         };
         let middle = self.body.code.len();
-        let right_hint = if is_literal_number(right) || matches!(right.kind, ExpressionKind::Aggregate(_)) {
-            Some(left_kind.clone()).filter(|t| *t != Type::Broken && *t != Type::Text && *t != Type::Bool)
-        } else {
-            None
-        };
+        let right_hint =
+            if is_literal_number(right) || matches!(right.kind, ExpressionKind::Aggregate(_)) {
+                Some(left_kind.clone())
+                    .filter(|t| *t != Type::Broken && *t != Type::Text && *t != Type::Bool)
+            } else {
+                None
+            };
         // A number times a literal record, a record times a literal number: no hint for the number.
-        let right_hint = right_hint
-            .filter(|t| !(is_literal_number(right) && !matches!(t, Type::Num | Type::Dnum)));
+        let right_hint =
+            right_hint.filter(|t| !is_literal_number(right) || matches!(t, Type::Num | Type::Dnum));
         let right_kind = self.value(right, right_hint.as_ref());
         if right_kind == Type::Dnum && left_kind == Type::Num && is_literal_number(left) {
             // Literals take the width of the other side; their code has the same length in both.
@@ -545,7 +551,10 @@ impl Compiler<'_> {
             span,
             format!("{} does not take {a} and {b}", operator_name(operator)),
         );
-        if matches!((left, right), (Type::Num, Type::Dnum) | (Type::Dnum, Type::Num)) {
+        if matches!(
+            (left, right),
+            (Type::Num, Type::Dnum) | (Type::Dnum, Type::Num)
+        ) {
             diagnostic = diagnostic.help("convert one side with NumToDnum(..) or DnumToNum(..)");
         }
         self.error(diagnostic);
@@ -553,7 +562,12 @@ impl Compiler<'_> {
     }
 
     /// Sums and products of positions and orientations are built-ins with names that no program can write.
-    fn record_operation(&self, operator: Operator, left: &Type, right: &Type) -> Option<(u32, Type)> {
+    fn record_operation(
+        &self,
+        operator: Operator,
+        left: &Type,
+        right: &Type,
+    ) -> Option<(u32, Type)> {
         let name = match operator {
             Operator::Add => "+",
             Operator::Subtract => "-",
@@ -629,9 +643,15 @@ impl Compiler<'_> {
     }
 
     fn present(&mut self, arguments: &[Argument], span: Span) -> Type {
-        if let [Argument::Positional(Expression { kind: ExpressionKind::Name(name), .. })] = arguments
+        if let [
+            Argument::Positional(Expression {
+                kind: ExpressionKind::Name(name),
+                ..
+            }),
+        ] = arguments
             && let Some(Symbol::Data(data)) = self.lookup(&name.to_lowercase()).cloned()
-            && let (Slot::Local(slot), true) = (data.slot, matches!(data.access, Access::Parameter(_)))
+            && let (Slot::Local(slot), true) =
+                (data.slot, matches!(data.access, Access::Parameter(_)))
         {
             if !data.optional {
                 self.error(Diagnostic::warning(

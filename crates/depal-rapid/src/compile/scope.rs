@@ -32,8 +32,6 @@ pub(crate) struct DataSymbol {
     pub(crate) span: Span,
     /// Initial value of a constant, to compute array sizes.
     pub(crate) constant: Option<Rc<Expression>>,
-    /// Module it is declared in.
-    pub(crate) module: usize,
 }
 
 #[derive(Debug, Clone)]
@@ -105,7 +103,6 @@ pub(crate) struct Body {
     pub(crate) labels: BTreeMap<String, (u32, Span)>,
     /// Position of the jump, label, place.
     pub(crate) gotos: Vec<(usize, String, Span)>,
-    pub(crate) used_labels: Vec<String>,
 }
 
 /// Everything that is known while a program is made.
@@ -135,7 +132,9 @@ impl Compiler<'_> {
     pub(crate) fn line(&self, span: Span) -> u32 {
         self.line_starts
             .get(span.file as usize)
-            .map_or(1, |starts| starts.partition_point(|s| *s <= span.start) as u32)
+            .map_or(1, |starts| {
+                starts.partition_point(|s| *s <= span.start) as u32
+            })
     }
 
     pub(crate) fn emit(&mut self, op: Op) -> usize {

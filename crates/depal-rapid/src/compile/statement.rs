@@ -36,7 +36,12 @@ impl Compiler<'_> {
                 to,
                 step,
                 body,
-            } => self.for_statement(statement.span, variable, [Some(from), Some(to), step.as_ref()], body),
+            } => self.for_statement(
+                statement.span,
+                variable,
+                [Some(from), Some(to), step.as_ref()],
+                body,
+            ),
             StatementKind::While { condition, body } => {
                 self.value(condition, Some(&Type::Bool));
                 let exit = self.emit(Op::JumpIfFalse(0));
@@ -81,8 +86,12 @@ impl Compiler<'_> {
     fn only_in_handler(&mut self, what: &str, span: Span) {
         if !self.body.in_handler {
             self.error(
-                Diagnostic::error("RAPID0118", span, format!("{what} has its place in an ERROR clause"))
-                    .help("move it behind ERROR at the end of the routine"),
+                Diagnostic::error(
+                    "RAPID0118",
+                    span,
+                    format!("{what} has its place in an ERROR clause"),
+                )
+                .help("move it behind ERROR at the end of the routine"),
             );
         }
     }
@@ -92,8 +101,12 @@ impl Compiler<'_> {
         let previous = self.body.labels.insert(label.key(), (at, label.span));
         if let Some((_, first)) = previous {
             self.error(
-                Diagnostic::error("RAPID0110", label.span, format!("the label {} stands twice", label.text))
-                    .secondary(first, "first here"),
+                Diagnostic::error(
+                    "RAPID0110",
+                    label.span,
+                    format!("the label {} stands twice", label.text),
+                )
+                .secondary(first, "first here"),
             );
         }
     }
@@ -363,7 +376,6 @@ impl Compiler<'_> {
             optional: false,
             span: variable.span,
             constant: None,
-            module: self.module,
         });
         let hidden = self.body.scope.insert(variable.key(), symbol);
         self.statements(body);

@@ -91,9 +91,26 @@ pub(crate) fn simple_type(name: &str) -> Option<Type> {
 
 /// Types of the controller that are known and not simulated.
 pub(crate) const REFUSED_TYPES: [&str; 20] = [
-    "intnum", "iodev", "trapdata", "errdomain", "errtype", "syncident", "tasks", "identno", "wztemporary", "wzstationary",
-    "shapedata", "triggdata", "listitem", "btnres", "icondata", "mecunit", "progdisp", "egmident",
-    "paridnum", "dir",
+    "intnum",
+    "iodev",
+    "trapdata",
+    "errdomain",
+    "errtype",
+    "syncident",
+    "tasks",
+    "identno",
+    "wztemporary",
+    "wzstationary",
+    "shapedata",
+    "triggdata",
+    "listitem",
+    "btnres",
+    "icondata",
+    "mecunit",
+    "progdisp",
+    "egmident",
+    "paridnum",
+    "dir",
 ];
 
 impl Type {
@@ -122,7 +139,10 @@ impl Type {
     }
 
     pub(crate) fn is_number(&self) -> bool {
-        matches!(self, Self::Num | Self::Dnum | Self::Numeric | Self::Broken | Self::Any)
+        matches!(
+            self,
+            Self::Num | Self::Dnum | Self::Numeric | Self::Broken | Self::Any
+        )
     }
 
     pub(crate) fn name(&self, records: &[RecordType]) -> String {

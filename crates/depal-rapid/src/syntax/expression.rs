@@ -8,11 +8,15 @@ impl Parser<'_> {
     /// `[NOT] term { (OR | XOR) [NOT] term }`: NOT, OR and XOR bind weakest.
     pub(crate) fn expression(&mut self) -> Expression {
         let start = self.span();
+        if self.inside == 0 {
+            self.begin_operators();
+        }
         if !self.enter() {
             self.leave();
             self.recover();
             return broken(start);
         }
+        self.inside += 1;
         let mut left = self.maybe_not(Self::logical_term);
         loop {
             let operator = if self.maybe_word("OR") {
@@ -22,9 +26,13 @@ impl Parser<'_> {
             } else {
                 break;
             };
+            if !self.count_operator() {
+                break;
+            }
             let right = self.maybe_not(Self::logical_term);
             left = binary(operator, left, right);
         }
+        self.inside -= 1;
         self.leave();
         left
     }
@@ -49,7 +57,7 @@ impl Parser<'_> {
 
     fn logical_term(&mut self) -> Expression {
         let mut left = self.relation();
-        while self.maybe_word("AND") {
+        while self.maybe_word("AND") && self.count_operator() {
             let right = self.maybe_not(Self::relation);
             left = binary(Operator::And, left, right);
         }
@@ -82,6 +90,9 @@ impl Parser<'_> {
             } else {
                 return left;
             };
+            if !self.count_operator() {
+                return left;
+            }
             let right = self.product();
             left = binary(operator, left, right);
         }
@@ -101,6 +112,9 @@ impl Parser<'_> {
             } else {
                 return left;
             };
+            if !self.count_operator() {
+                return left;
+            }
             let right = self.signed();
             left = binary(operator, left, right);
         }
@@ -137,17 +151,12 @@ impl Parser<'_> {
         Expression { kind, span }
     }
 
-    /// A primary with `.field` and `{index}` behind it. Long chains are cut by the statement's end,
-    /// but the tree nests one level for each, so that they count as depth.
+    /// A primary with `.field` and `{index}` behind it; each counts as an operator.
     pub(crate) fn postfix(&mut self) -> Expression {
         let mut value = self.primary();
-        let mut links = 0;
         loop {
-            links += 1;
-            if links > 32 {
-                self.report("RAPID0019", "too many components behind each other".into());
-                self.recover();
-                return broken(value.span);
+            if (self.is_mark(".") || self.is_mark("{")) && !self.count_operator() {
+                return value;
             }
             if self.maybe_mark(".") {
                 let Some(field) = self.expect_name("the name of a record component") else {

@@ -4,7 +4,10 @@ use depal_vm::{Diagnostic, Span};
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Token {
     Name(String),
-    Number { value: f64, integer: bool },
+    Number {
+        value: f64,
+        integer: bool,
+    },
     Text(String),
     /// An operator or a mark: `:=`, `<>`, `;`.
     Mark(&'static str),
@@ -135,7 +138,9 @@ impl Lexer<'_> {
             };
             if radix != 10 {
                 let body = &self.text[start + 2..];
-                let length = body.find(|c: char| !c.is_digit(radix)).unwrap_or(body.len());
+                let length = body
+                    .find(|c: char| !c.is_digit(radix))
+                    .unwrap_or(body.len());
                 if let Ok(value) = u64::from_str_radix(&body[..length], radix) {
                     self.at += 2 + length;
                     let value = value as f64;
@@ -234,8 +239,12 @@ impl Lexer<'_> {
             self.at += 1;
             let span = self.span(start);
             self.diagnostics.push(
-                Diagnostic::error("RAPID0005", span, "a backslash in a string begins an escape")
-                    .help("write \\\\ for a backslash, or \\ and two hexadecimal digits: \"\\0D\""),
+                Diagnostic::error(
+                    "RAPID0005",
+                    span,
+                    "a backslash in a string begins an escape",
+                )
+                .help("write \\\\ for a backslash, or \\ and two hexadecimal digits: \"\\0D\""),
             );
         }
     }

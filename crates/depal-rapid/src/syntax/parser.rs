@@ -11,6 +11,8 @@ pub(crate) fn parse(file: u32, text: &str, diagnostics: &mut Vec<Diagnostic>) ->
         at: 0,
         diagnostics,
         depth: 0,
+        operators: 0,
+        inside: 0,
         reported_at: None,
     };
     parser.file()
@@ -25,6 +27,8 @@ pub(crate) fn parse_heading(text: &str) -> Option<Routine> {
         at: 0,
         diagnostics: &mut diagnostics,
         depth: 0,
+        operators: 0,
+        inside: 0,
         reported_at: None,
     };
     let routine = parser.heading(false);
@@ -34,11 +38,18 @@ pub(crate) fn parse_heading(text: &str) -> Option<Routine> {
 /// Deepest nesting of expressions and blocks, so that no text can exhaust the stack.
 const DEPTH_LIMIT: usize = 64;
 
+/// Most operators in one expression.
+const OPERATOR_LIMIT: usize = 256;
+
 pub(crate) struct Parser<'a> {
     tokens: Vec<SpannedToken>,
     at: usize,
     pub(crate) diagnostics: &'a mut Vec<Diagnostic>,
     depth: usize,
+    /// Operators of the expression being read.
+    operators: usize,
+    /// Expressions inside each other.
+    pub(crate) inside: usize,
     reported_at: Option<usize>,
 }
 
@@ -136,9 +147,12 @@ impl Parser<'_> {
         // A missing mark belongs behind what was read last, not before the next line.
         let previous = self.last_span();
         let span = Span::new(previous.file, previous.end, previous.end);
-        let diagnostic =
-            Diagnostic::error("RAPID0010", span, format!("expected `{mark}` {why}, found {found}"))
-                .label(format!("`{mark}` is missing here"));
+        let diagnostic = Diagnostic::error(
+            "RAPID0010",
+            span,
+            format!("expected `{mark}` {why}, found {found}"),
+        )
+        .label(format!("`{mark}` is missing here"));
         self.report_with(diagnostic);
         false
     }
@@ -172,7 +186,29 @@ impl Parser<'_> {
     pub(crate) fn enter(&mut self) -> bool {
         self.depth += 1;
         if self.depth > DEPTH_LIMIT {
-            self.report("RAPID0019", format!("more than {DEPTH_LIMIT} levels inside each other"));
+            self.report(
+                "RAPID0019",
+                format!("more than {DEPTH_LIMIT} levels inside each other"),
+            );
+            return false;
+        }
+        true
+    }
+
+    /// Starts counting the operators of an outermost expression.
+    pub(crate) fn begin_operators(&mut self) {
+        self.operators = 0;
+    }
+
+    /// Counts an operator; `false`, reported, when one expression has too many for the tree to stay flat.
+    pub(crate) fn count_operator(&mut self) -> bool {
+        self.operators += 1;
+        if self.operators > OPERATOR_LIMIT {
+            self.report(
+                "RAPID0019",
+                format!("more than {OPERATOR_LIMIT} operators in one expression"),
+            );
+            self.recover();
             return false;
         }
         true
@@ -285,12 +321,24 @@ impl Parser<'_> {
             let found = self.describe();
             self.report(
                 "RAPID0015",
-                format!("expected a declaration (VAR, PERS, CONST, RECORD, PROC, FUNC), found {found}"),
+                format!(
+                    "expected a declaration (VAR, PERS, CONST, RECORD, PROC, FUNC), found {found}"
+                ),
             );
             while !self.is_end()
                 && !self.is_any_word(&[
-                    "VAR", "PERS", "CONST", "PROC", "FUNC", "TRAP", "RECORD", "ALIAS", "LOCAL",
-                    "TASK", "MODULE", "ENDMODULE",
+                    "VAR",
+                    "PERS",
+                    "CONST",
+                    "PROC",
+                    "FUNC",
+                    "TRAP",
+                    "RECORD",
+                    "ALIAS",
+                    "LOCAL",
+                    "TASK",
+                    "MODULE",
+                    "ENDMODULE",
                 ])
             {
                 self.advance();
@@ -307,12 +355,12 @@ impl Parser<'_> {
                 .expect_name("the type of a record component, or ENDRECORD")
                 .and_then(|kind| Some((kind, self.expect_name("the name of a record component")?)));
             let Some(field) = field else {
-                self.diagnostics.last_mut().map(|d| {
-                    d.secondary.push(depal_vm::Label {
+                if let Some(last) = self.diagnostics.last_mut() {
+                    last.secondary.push(depal_vm::Label {
                         span: opened,
                         message: "in this RECORD".into(),
                     });
-                });
+                }
                 break;
             };
             fields.push(field);
@@ -380,7 +428,6 @@ impl Parser<'_> {
         } else {
             self.parameters()
         };
-        let end = name.span;
         Some(Routine {
             local,
             kind,
@@ -389,7 +436,6 @@ impl Parser<'_> {
             data: Vec::new(),
             body: Vec::new(),
             handler: None,
-            end,
         })
     }
 
@@ -399,13 +445,15 @@ impl Parser<'_> {
             return parameters;
         }
         let mut group = 0;
+        let mut alternative = false;
         while !self.maybe_mark(")") {
             if self.is_end() {
                 self.report("RAPID0010", "expected `)` behind the parameters".into());
                 break;
             }
             self.maybe_mark(",");
-            let optional = self.maybe_mark("\\");
+            // Alternatives of an optional parameter are optional, too: `\num A | bool B`.
+            let optional = self.maybe_mark("\\") || alternative;
             let mode = if self.maybe_word("VAR") {
                 Mode::Var
             } else if self.maybe_word("INOUT") {
@@ -448,7 +496,9 @@ impl Parser<'_> {
                 name,
                 dimensions,
             });
-            if !self.maybe_mark("|") {
+            let alternatives = self.maybe_mark("|");
+            alternative = alternatives && optional;
+            if !alternatives {
                 group += 1;
             }
         }
@@ -493,7 +543,6 @@ impl Parser<'_> {
             let body = self.routine_statements();
             routine.handler = Some(Handler { numbers, body });
         }
-        routine.end = self.span();
         if !self.maybe_word(closing) {
             let found = self.describe();
             let message = format!("expected {closing}, found {found}");
@@ -518,7 +567,10 @@ impl Parser<'_> {
                 return statements;
             }
             let word = self.describe();
-            self.report("RAPID0016", format!("{word} does not close anything that is open here"));
+            self.report(
+                "RAPID0016",
+                format!("{word} does not close anything that is open here"),
+            );
             self.advance();
             if self.is_mark(":") {
                 self.advance();
@@ -529,32 +581,147 @@ impl Parser<'_> {
 
 /// Words at which a statement list of any kind ends.
 pub(crate) const BLOCK_ENDS: [&str; 26] = [
-    "ENDIF", "ELSE", "ELSEIF", "ENDFOR", "ENDWHILE", "ENDTEST", "CASE", "DEFAULT", "ENDPROC",
-    "ENDFUNC", "ENDTRAP", "ERROR", "UNDO", "BACKWARD", "ENDMODULE", "ENDRECORD", "PROC", "FUNC",
-    "TRAP", "MODULE", "RECORD", "LOCAL", "VAR", "PERS", "CONST", "THEN",
+    "ENDIF",
+    "ELSE",
+    "ELSEIF",
+    "ENDFOR",
+    "ENDWHILE",
+    "ENDTEST",
+    "CASE",
+    "DEFAULT",
+    "ENDPROC",
+    "ENDFUNC",
+    "ENDTRAP",
+    "ERROR",
+    "UNDO",
+    "BACKWARD",
+    "ENDMODULE",
+    "ENDRECORD",
+    "PROC",
+    "FUNC",
+    "TRAP",
+    "MODULE",
+    "RECORD",
+    "LOCAL",
+    "VAR",
+    "PERS",
+    "CONST",
+    "THEN",
 ];
 
 const ROUTINE_ENDS: [&str; 14] = [
-    "ENDPROC", "ENDFUNC", "ENDTRAP", "ERROR", "UNDO", "BACKWARD", "ENDMODULE", "PROC", "FUNC",
-    "TRAP", "MODULE", "RECORD", "LOCAL", "ENDRECORD",
+    "ENDPROC",
+    "ENDFUNC",
+    "ENDTRAP",
+    "ERROR",
+    "UNDO",
+    "BACKWARD",
+    "ENDMODULE",
+    "PROC",
+    "FUNC",
+    "TRAP",
+    "MODULE",
+    "RECORD",
+    "LOCAL",
+    "ENDRECORD",
 ];
 
 const RECOVERY_WORDS: [&str; 32] = [
-    "ENDIF", "ELSE", "ELSEIF", "ENDFOR", "ENDWHILE", "ENDTEST", "CASE", "DEFAULT", "ENDPROC",
-    "ENDFUNC", "ENDTRAP", "ERROR", "UNDO", "ENDMODULE", "PROC", "FUNC", "TRAP", "MODULE", "RECORD",
-    "LOCAL", "VAR", "PERS", "CONST", "IF", "FOR", "WHILE", "TEST", "RETURN", "RAISE", "RETRY",
-    "TRYNEXT", "GOTO",
+    "ENDIF",
+    "ELSE",
+    "ELSEIF",
+    "ENDFOR",
+    "ENDWHILE",
+    "ENDTEST",
+    "CASE",
+    "DEFAULT",
+    "ENDPROC",
+    "ENDFUNC",
+    "ENDTRAP",
+    "ERROR",
+    "UNDO",
+    "ENDMODULE",
+    "PROC",
+    "FUNC",
+    "TRAP",
+    "MODULE",
+    "RECORD",
+    "LOCAL",
+    "VAR",
+    "PERS",
+    "CONST",
+    "IF",
+    "FOR",
+    "WHILE",
+    "TEST",
+    "RETURN",
+    "RAISE",
+    "RETRY",
+    "TRYNEXT",
+    "GOTO",
 ];
 
 /// Reserved words, which cannot be names.
 pub(crate) fn is_keyword(word: &str) -> bool {
     const KEYWORDS: [&str; 59] = [
-        "ALIAS", "AND", "BACKWARD", "CASE", "CONNECT", "CONST", "DEFAULT", "DIV", "DO", "ELSE",
-        "ELSEIF", "ENDFOR", "ENDFUNC", "ENDIF", "ENDMODULE", "ENDPROC", "ENDRECORD", "ENDTEST",
-        "ENDTRAP", "ENDWHILE", "ERROR", "EXIT", "FALSE", "FOR", "FROM", "FUNC", "GOTO", "IF",
-        "INOUT", "LOCAL", "MOD", "MODULE", "NOSTEPIN", "NOT", "NOVIEW", "OR", "PERS", "PROC",
-        "RAISE", "READONLY", "RECORD", "RETRY", "RETURN", "STEP", "SYSMODULE", "TEST", "THEN", "TO",
-        "TRAP", "TRUE", "TRYNEXT", "UNDO", "VAR", "VIEWONLY", "WHILE", "WITH", "XOR", "TASK",
+        "ALIAS",
+        "AND",
+        "BACKWARD",
+        "CASE",
+        "CONNECT",
+        "CONST",
+        "DEFAULT",
+        "DIV",
+        "DO",
+        "ELSE",
+        "ELSEIF",
+        "ENDFOR",
+        "ENDFUNC",
+        "ENDIF",
+        "ENDMODULE",
+        "ENDPROC",
+        "ENDRECORD",
+        "ENDTEST",
+        "ENDTRAP",
+        "ENDWHILE",
+        "ERROR",
+        "EXIT",
+        "FALSE",
+        "FOR",
+        "FROM",
+        "FUNC",
+        "GOTO",
+        "IF",
+        "INOUT",
+        "LOCAL",
+        "MOD",
+        "MODULE",
+        "NOSTEPIN",
+        "NOT",
+        "NOVIEW",
+        "OR",
+        "PERS",
+        "PROC",
+        "RAISE",
+        "READONLY",
+        "RECORD",
+        "RETRY",
+        "RETURN",
+        "STEP",
+        "SYSMODULE",
+        "TEST",
+        "THEN",
+        "TO",
+        "TRAP",
+        "TRUE",
+        "TRYNEXT",
+        "UNDO",
+        "VAR",
+        "VIEWONLY",
+        "WHILE",
+        "WITH",
+        "XOR",
+        "TASK",
         "ENDUNDO",
     ];
     // Module attributes are read as names by the module heading.

@@ -12,8 +12,12 @@ impl Parser<'_> {
             if self.is_any_word(&["VAR", "PERS", "CONST"]) {
                 let span = self.span();
                 self.report_with(
-                    Diagnostic::error("RAPID0018", span, "data are declared before the first statement")
-                        .help("move the declaration to the top of the routine, or to the module"),
+                    Diagnostic::error(
+                        "RAPID0018",
+                        span,
+                        "data are declared before the first statement",
+                    )
+                    .help("move the declaration to the top of the routine, or to the module"),
                 );
                 self.data(true);
                 continue;
@@ -115,7 +119,10 @@ impl Parser<'_> {
             return StatementKind::Broken;
         }
         if self.is_mark("%") {
-            self.report("RAPID0020", "calls by a name in a string are not supported yet".into());
+            self.report(
+                "RAPID0020",
+                "calls by a name in a string are not supported yet".into(),
+            );
             self.recover();
             return StatementKind::Broken;
         }
@@ -129,6 +136,7 @@ impl Parser<'_> {
         };
         if self.is_mark(":=") || self.is_mark(".") || self.is_mark("{") {
             self.step_back();
+            self.begin_operators();
             let target = self.postfix();
             if !self.expect_mark(":=", "of an assignment") {
                 self.recover();
@@ -180,7 +188,9 @@ impl Parser<'_> {
                 let diagnostic = Diagnostic::error(
                     "RAPID0010",
                     self.span(),
-                    format!("expected THEN or a statement behind the condition of IF, found {found}"),
+                    format!(
+                        "expected THEN or a statement behind the condition of IF, found {found}"
+                    ),
                 )
                 .secondary(start, "this IF");
                 self.report_with(diagnostic);
@@ -269,7 +279,11 @@ impl Parser<'_> {
             return;
         }
         let found = self.describe();
-        let opened = Span::new(opened.file, opened.start, opened.start + opening.len() as u32);
+        let opened = Span::new(
+            opened.file,
+            opened.start,
+            opened.start + opening.len() as u32,
+        );
         let diagnostic = Diagnostic::error(
             "RAPID0014",
             self.span(),

@@ -85,8 +85,6 @@ pub(crate) struct Routine {
     pub(crate) data: Vec<Data>,
     pub(crate) body: Vec<Statement>,
     pub(crate) handler: Option<Handler>,
-    /// The closing keyword.
-    pub(crate) end: Span,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -169,13 +167,19 @@ pub(crate) enum Operator {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum ExpressionKind {
-    Number { value: f64, integer: bool },
+    Number {
+        value: f64,
+        integer: bool,
+    },
     Text(String),
     Bool(bool),
     Name(String),
     Field(Box<Expression>, Name),
     Index(Box<Expression>, Vec<Expression>),
-    Call { name: Name, arguments: Vec<Argument> },
+    Call {
+        name: Name,
+        arguments: Vec<Argument>,
+    },
     Aggregate(Vec<Expression>),
     Negate(Box<Expression>),
     Not(Box<Expression>),
@@ -193,14 +197,19 @@ pub(crate) enum Argument {
         value: Option<Expression>,
     },
     /// `\x?y`: given if `y` was given.
-    Conditional { name: Name, from: Name },
+    Conditional {
+        name: Name,
+        from: Name,
+    },
 }
 
 impl Argument {
     pub(crate) fn span(&self) -> Span {
         match self {
             Self::Positional(value) => value.span,
-            Self::Named { name, value } => value.as_ref().map_or(name.span, |v| name.span.to(v.span)),
+            Self::Named { name, value } => {
+                value.as_ref().map_or(name.span, |v| name.span.to(v.span))
+            }
             Self::Conditional { name, from } => name.span.to(from.span),
         }
     }
