@@ -19,7 +19,8 @@ MODULE MM_Module
   !     3099  the socket is not open, or could not be opened
   !     3098  no complete reply within the timeout of MM_Init_Socket
   !     3097  the server closed the connection
-  !     3096  the reply answers another command (wrong port, wrong byte order)
+  !     3096  the reply answers another command, or its status is no status code
+  !           (wrong port, wrong byte order)
   !   A procedure without MM_Status raises instead:
   !     MM_ERR_COMM    connection trouble, one of the four codes above
   !     MM_ERR_STATUS  the server refused, the code is in MM_Last_Status
@@ -499,9 +500,9 @@ MODULE MM_Module
       CopyRawBytes piece,1,MM_Reply,got+1\NoOfBytes:=arrived;
       got:=got+arrived;
     ENDWHILE
-    IF CellInt(1)=command THEN
-      status:=CellInt(2);
-    ELSE
+    status:=CellInt(2);
+    ! A server of the other byte order echoes the command as it was sent: look at the status, too.
+    IF CellInt(1)<>command OR status<1 OR status>9999 THEN
       status:=MM_WRONG_REPLY;
       MM_Close_Socket;
     ENDIF
