@@ -19,7 +19,8 @@ MODULE MM_Module
   !     3099  the socket is not open, or could not be opened
   !     3098  no complete reply within the timeout of MM_Init_Socket
   !     3097  the server closed the connection
-  !     3096  the reply answers another command (wrong port, wrong byte order)
+  !     3096  the reply answers another command, or its status is no status code
+  !           (wrong port, wrong byte order)
   !   A procedure without MM_Status raises instead:
   !     MM_ERR_COMM    connection trouble, one of the four codes above
   !     MM_ERR_STATUS  the server refused, the code is in MM_Last_Status
@@ -59,6 +60,8 @@ MODULE MM_Module
 
   LOCAL VAR rawbytes MM_Request;
   LOCAL VAR rawbytes MM_Reply;
+  ! One empty request, to fill others up.
+  LOCAL VAR rawbytes MM_Padding;
 
   ! The list received last. All parts of a reply in several parts are joined.
   LOCAL VAR num MM_Count:=0;
@@ -69,6 +72,7 @@ MODULE MM_Module
   LOCAL VAR num MM_MoveTypes{100};
   LOCAL VAR num MM_ToolNums{100};
   LOCAL VAR num MM_PlanData{100,21};
+  LOCAL VAR num MM_CustomCount{100};
   LOCAL VAR num MM_Custom{100,50};
   LOCAL VAR robtarget MM_Here;
   LOCAL VAR num MM_DoList{64};
@@ -93,6 +97,10 @@ MODULE MM_Module
       TPWrite "MM: no connection to "+MM_Address+" port "\Num:=MM_Port;
       RAISE MM_ERR_COMM;
     ENDIF
+    ClearRawBytes MM_Padding;
+    FOR i FROM 1 TO MM_REQUEST_LEN DIV 4 DO
+      PackRawBytes 0,MM_Padding,RawBytesLen(MM_Padding)+1\IntX:=DINT;
+    ENDFOR
     MM_Connected:=TRUE;
     MM_Last_Status:=0;
   ENDPROC
@@ -312,13 +320,13 @@ MODULE MM_Module
       MM_MoveTypes{MM_Count}:=CellInt(11);
       MM_ToolNums{MM_Count}:=CellInt(12);
       MM_Speeds{MM_Count}:=CellInt(13);
-      FOR i FROM 1 TO 21 DO
-        MM_PlanData{MM_Count,i}:=0;
-      ENDFOR
-      KeepCustom 0,0;
+      MM_CustomCount{MM_Count}:=0;
       IF MM_IsVisMove{MM_Count}=1 THEN
         IF VisPos_Num=0 VisPos_Num:=MM_Count;
         custom_cell:=14;
+        FOR i FROM 1 TO 21 DO
+          MM_PlanData{MM_Count,i}:=0;
+        ENDFOR
         IF Resource<>0 OR Jps_Pos>=3 THEN
           FOR i FROM 1 TO 21 DO
             MM_PlanData{MM_Count,i}:=CellReal(13+i);
@@ -482,9 +490,9 @@ MODULE MM_Module
     status:=MM_NOT_OPEN;
     MM_Last_Status:=status;
     IF NOT MM_Connected RETURN;
-    WHILE RawBytesLen(MM_Request)<MM_REQUEST_LEN DO
-      AddInt 0;
-    ENDWHILE
+    got:=RawBytesLen(MM_Request);
+    IF got<MM_REQUEST_LEN CopyRawBytes MM_Padding,1,MM_Request,got+1\NoOfBytes:=MM_REQUEST_LEN-got;
+    got:=0;
     ClearRawBytes MM_Reply;
     SocketSend MM_Socket\RawData:=MM_Request;
     WHILE got<MM_REPLY_LEN DO
@@ -492,9 +500,9 @@ MODULE MM_Module
       CopyRawBytes piece,1,MM_Reply,got+1\NoOfBytes:=arrived;
       got:=got+arrived;
     ENDWHILE
-    IF CellInt(1)=command THEN
-      status:=CellInt(2);
-    ELSE
+    status:=CellInt(2);
+    ! A server of the other byte order echoes the command as it was sent: look at the status, too.
+    IF CellInt(1)<>command OR status<1 OR status>9999 THEN
       status:=MM_WRONG_REPLY;
       MM_Close_Socket;
     ENDIF
@@ -579,13 +587,13 @@ MODULE MM_Module
     points:=MM_Count;
   ENDPROC
 
+  ! Custom data of the point received last; at most 50 elements fit.
   LOCAL PROC KeepCustom(num first_cell,num elements)
-    FOR i FROM 1 TO 50 DO
-      IF i<=elements THEN
-        MM_Custom{MM_Count,i}:=CellReal(first_cell+i-1);
-      ELSE
-        MM_Custom{MM_Count,i}:=0;
-      ENDIF
+    IF elements>50 elements:=50;
+    MM_CustomCount{MM_Count}:=elements;
+    IF elements<1 RETURN;
+    FOR i FROM 1 TO elements DO
+      MM_Custom{MM_Count,i}:=CellReal(first_cell+i-1);
     ENDFOR
   ENDPROC
 
@@ -626,7 +634,11 @@ MODULE MM_Module
 
   LOCAL PROC StoreUserData(num index)
     FOR i FROM 1 TO 50 DO
-      MM_UserData{i}:=MM_Custom{index,i};
+      IF i<=MM_CustomCount{index} THEN
+        MM_UserData{i}:=MM_Custom{index,i};
+      ELSE
+        MM_UserData{i}:=0;
+      ENDIF
     ENDFOR
   ENDPROC
 ENDMODULE

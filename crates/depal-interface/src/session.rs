@@ -14,6 +14,8 @@ use crate::viz_run::VizRun;
 
 /// Characters of a message in the log.
 const LOG_TEXT_LEN: usize = 200;
+/// Bytes that a client may send ahead of the replies; more is no client of this protocol.
+const MAX_AHEAD: usize = 65_536;
 
 /// A client of a port; the number is chosen by the transport and never used twice on a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -110,6 +112,17 @@ impl Session {
             framer.push(now, bytes);
             self.serve(now, connection);
         }
+        let ahead = self
+            .connections
+            .get(&connection)
+            .map_or(0, Framer::buffered);
+        if ahead > MAX_AHEAD {
+            self.cut(
+                now,
+                connection,
+                format!("{ahead} bytes sent ahead; closing"),
+            );
+        }
     }
 
     /// Time passed; call it when [`poll_timeout`](Self::poll_timeout) is due, or in every tick.
@@ -205,14 +218,24 @@ impl Session {
                 }
                 Frame::TooLong(count) => {
                     let text = format!("line of {count} bytes without an end; closing");
-                    self.record(now, connection, Direction::Received, 0, None, text);
-                    let reply = Reply::status(0, Status::WrongFormat);
-                    self.send(now, connection, &reply, true);
-                    self.connections.remove(&connection);
+                    self.cut(now, connection, text);
                     return;
                 }
             }
         }
+    }
+
+    /// Says 3002 and lets the transport close the connection.
+    fn cut(&mut self, now: SimTime, connection: ConnectionId, text: String) {
+        self.record(now, connection, Direction::Received, 0, None, text);
+        self.waiting.retain(|w| w.connection != connection);
+        self.send(
+            now,
+            connection,
+            &Reply::status(0, Status::WrongFormat),
+            true,
+        );
+        self.connections.remove(&connection);
     }
 
     fn handle_request(&mut self, now: SimTime, connection: ConnectionId, bytes: &[u8]) {

@@ -443,6 +443,22 @@ fn an_endless_line_is_cut() {
 }
 
 #[test]
+fn a_flood_behind_a_waiting_request_is_cut() {
+    let mut bench = Bench::new();
+    bench.start_viz();
+    bench.check("205,1", "");
+    for _ in 0..20 {
+        let flood = "901\r".repeat(1_000);
+        bench
+            .server
+            .handle_input(bench.now, PORT, CLIENT, flood.as_bytes());
+    }
+    assert!(bench.server.poll_reply().unwrap().closes);
+    assert_eq!(bench.server.poll_reply(), None);
+    assert_eq!(bench.server.poll_timeout(), None);
+}
+
+#[test]
 fn sessions_do_not_touch_one_another() {
     let settings = ServerSettings {
         ports: vec![PortSettings::default(), PortSettings::default()],

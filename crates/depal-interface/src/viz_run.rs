@@ -215,7 +215,7 @@ impl Session {
         };
         let point = &path.points[*sent];
         *sent += 1;
-        Answer::Reply(Reply::PlanPoint(PlanPoint {
+        Answer::Reply(Reply::PlanPoint(Box::new(PlanPoint {
             is_last: *sent == path.points.len(),
             values: waypoint_values(point, matches!(request.format, 1 | 3), euler),
             move_type: match point.motion {
@@ -228,7 +228,7 @@ impl Session {
                 plan: (request.format >= 3).then(|| plan_values(data)),
                 custom: Vec::new(),
             }),
-        }))
+        })))
     }
 
     /// The path and how much of it is sent, at least one waypoint being left; or the answer instead.
@@ -273,7 +273,7 @@ impl Session {
         for (place, number) in list.iter_mut().zip(&path.digital_outputs) {
             *place = i32::from(*number);
         }
-        Reply::DoList(DoList(list))
+        Reply::DoList(Box::new(DoList(list)))
     }
 }
 

@@ -13,6 +13,7 @@
 //! Replies must come exactly where they stand: after every other line nothing may be left over.
 
 use std::collections::VecDeque;
+use std::fmt::Write as _;
 use std::path::Path;
 
 use depal_frames::{BoxSize, EulerConvention, JointPositions, Pose, Vector};
@@ -31,6 +32,8 @@ struct Player {
     waypoints: Vec<PathPoint>,
 }
 
+// Transcripts are files on purpose: they are read by people and shared with other tests.
+#[allow(clippy::disallowed_methods)]
 #[test]
 fn transcripts_replay_byte_by_byte() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/wire");
@@ -128,11 +131,14 @@ fn readable(bytes: Vec<u8>) -> String {
     if is_text && !bytes.is_empty() {
         return String::from_utf8_lossy(&bytes).into_owned();
     }
-    let cells: Vec<String> = bytes
-        .chunks(4)
-        .map(|cell| cell.iter().map(|b| format!("{b:02x}")).collect())
-        .collect();
-    format!("{} bytes: {}", bytes.len(), cells.join(" "))
+    let mut text = format!("{} bytes:", bytes.len());
+    for cell in bytes.chunks(4) {
+        text.push(' ');
+        for byte in cell {
+            write!(text, "{byte:02x}").expect("writing to a string");
+        }
+    }
+    text
 }
 
 fn numbers(text: &str) -> Vec<f64> {

@@ -27,9 +27,9 @@ pub enum Reply {
         list: PointList,
     },
     /// 206: the DO list of the gripper.
-    DoList(DoList),
+    DoList(Box<DoList>),
     /// 210: one waypoint.
-    PlanPoint(PlanPoint),
+    PlanPoint(Box<PlanPoint>),
 }
 
 impl Reply {
@@ -107,10 +107,11 @@ impl Reply {
                 list: PointList::decode(&mut cells).map_err(malformed)?,
             },
             (Request::GetDoList(_), Status::VizDoListSent) => {
-                Self::DoList(DoList::decode(&mut cells).map_err(malformed)?)
+                Self::DoList(Box::new(DoList::decode(&mut cells).map_err(malformed)?))
             }
             (Request::GetPlanData(get), Status::VizFinished) => {
-                Self::PlanPoint(PlanPoint::decode(get.format, &mut cells).map_err(malformed)?)
+                let point = PlanPoint::decode(get.format, &mut cells).map_err(malformed)?;
+                Self::PlanPoint(Box::new(point))
             }
             _ => Self::status(expected, status),
         };

@@ -330,7 +330,7 @@ fn reply() -> impl Strategy<Value = (Request, Reply)> {
                 };
                 (
                     Request::GetPlanData(GetPlanData { format }),
-                    Reply::PlanPoint(point),
+                    Reply::PlanPoint(Box::new(point)),
                 )
             },
         );
@@ -348,7 +348,7 @@ fn reply() -> impl Strategy<Value = (Request, Reply)> {
             list.copy_from_slice(&v);
             (
                 Request::GetDoList(GetDoList { sections: None }),
-                Reply::DoList(DoList(list)),
+                Reply::DoList(Box::new(DoList(list))),
             )
         }),
         point,
