@@ -208,3 +208,33 @@ fn fractions_scale_the_limits() {
     assert!((speed - 0.5).abs() < 0.005, "{speed}");
     assert!((acceleration - 0.25).abs() < 0.005, "{acceleration}");
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// The tool keeps the programmed speed and turn, in joint moves and corners too.
+    #[test]
+    fn tool_keeps_the_programmed_speed(seed in any::<u64>()) {
+        let arm = arm();
+        let mut random = RandomStreams::new(seed).stream("moves");
+        let mut t = Trajectory::new(Arc::clone(&arm), home());
+        for _ in 0..6 {
+            let segment = random_segment(&arm, &mut random);
+            let speed = Speed { tcp: 0.6, orientation: 0.9, ..Speed::UNLIMITED };
+            let _ = t.append(0.0, &Segment { speed, ..segment });
+        }
+        let poses: Vec<Pose> = samples(&t, TICK)
+            .iter()
+            .map(|joints| arm.base_from_flange(joints) * tool())
+            .collect();
+        let (mut fastest, mut quickest) = (0.0_f64, 0.0_f64);
+        for w in poses.windows(2) {
+            let way = w[1].translation.vector - w[0].translation.vector;
+            fastest = fastest.max(way.norm() / TICK);
+            quickest = quickest.max(w[0].rotation.angle_to(&w[1].rotation) / TICK);
+        }
+        prop_assert!(fastest <= 0.6 * 1.02, "{fastest} m/s");
+        prop_assert!(quickest <= 0.9 * 1.02, "{quickest} rad/s");
+        prop_assert!(fastest > 0.59 || quickest > 0.88, "one of them is used: {fastest} {quickest}");
+    }
+}
