@@ -15,8 +15,10 @@ const JOINT_STEP: f64 = 0.04;
 /// TCP travel and turn between grid points of a linear move, metres and radians.
 const LINE_STEP: f64 = 0.02;
 const TURN_STEP: f64 = 0.05;
-/// Joint step between grid points above which the grid of a linear move is refined.
+/// Joint step between grid points of a linear move, and change of that step, above which the grid is refined:
+/// between grid points a joint's acceleration has to be close to even.
 const COARSE_STEP: f64 = 0.12;
+const COARSE_BEND: f64 = 0.005;
 /// Grid points of a linear move beyond which a large joint step counts as a jump.
 const FINEST_GRID: usize = 1024;
 /// Shorter than this a path has no length to cut a zone from.
@@ -249,7 +251,11 @@ fn line(
             }
             joints.push(found);
         }
-        if widest.2 <= COARSE_STEP {
+        let bend = joints
+            .windows(3)
+            .map(|w| w[0].lerp(&w[2], 0.5).max_distance(&w[1]) * 2.0)
+            .fold(0.0, f64::max);
+        if widest.2 <= COARSE_STEP && (bend <= COARSE_BEND || pieces > FINEST_GRID) {
             return Ok(joints);
         }
         if pieces > FINEST_GRID {
