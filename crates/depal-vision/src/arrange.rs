@@ -230,13 +230,15 @@ impl Cover<'_> {
         placed: &[Candidate],
     ) -> Option<Candidate> {
         const WHOLE: f64 = 0.96;
+        // Well above what lone holes add to a line, or a row of boxes would drift with the noise.
+        const LEAST_GAIN: f64 = 0.04;
         let exact = measure(self.patch, label, turned, corner, cells, WHOLE);
         // The corner may be a cell or two off; edges that are seen settle it.
         let start = exact.or_else(|| {
             let inward = corner.map(|c| c + 1);
             measure(self.patch, label, turned, inward, cells, WHOLE)
         })?;
-        let moved = climb(self.patch, start, WHOLE);
+        let moved = climb(self.patch, start, WHOLE, LEAST_GAIN);
         let near = (0..2).all(|k| moved.first[k].abs_diff(start.first[k]) <= 4);
         let candidate = if near && moved.score > start.score + 0.15 {
             moved
