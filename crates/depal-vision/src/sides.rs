@@ -123,7 +123,8 @@ fn scan(
         for step in 0..=steps {
             let p = base + outward * (half - reach + step as f64 * 0.5 * pitch);
             let (u, v) = k.project(&p);
-            let pixel = ((u + 0.5).floor(), (v + 0.5).floor());
+            // Truncation is floor here: negative pixels are outside and end the line.
+            let pixel = (((u + 0.5) as i64) as f64, ((v + 0.5) as i64) as f64);
             if last == Some(pixel) {
                 continue;
             }
