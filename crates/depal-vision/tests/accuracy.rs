@@ -158,7 +158,14 @@ fn an_arm_over_the_stack_leaves_no_half_boxes() {
         let detection = detect(&scene.frame(seed), &settings());
         let score = score(&detection, &scene);
         assert_eq!(score.false_positives, 0, "{}", score.line());
-        assert!(score.found >= 2, "{}", score.line());
+        // Whatever can be seen whole is found.
+        let whole = scene
+            .solids
+            .iter()
+            .filter(|s| s.wanted && scene.seen_share(s) > 0.98)
+            .count();
+        assert!((1..8).contains(&whole), "the arm hides some: {whole}");
+        assert!(score.found >= whole, "{whole}: {}", score.line());
         for b in &detection.boxes {
             assert!(b.visible_fraction >= 0.7, "{b:?}");
         }

@@ -151,6 +151,29 @@ impl Scene {
         lit
     }
 
+    /// Share of a top that camera and projector reach.
+    pub fn seen_share(&self, solid: &Solid) -> f64 {
+        let k = camera();
+        let ideal = self.ideal(&k);
+        let (s, c) = solid.yaw.sin_cos();
+        let mut seen = 0;
+        for i in 0..50 {
+            for j in 0..50 {
+                let x = (f64::from(i) / 49.0 - 0.5) * (solid.length - 0.01);
+                let y = (f64::from(j) / 49.0 - 0.5) * (solid.width - 0.01);
+                let p = depal_frames::Point::new(
+                    solid.x + x * c - y * s,
+                    solid.y + x * s + y * c,
+                    solid.top,
+                );
+                let (u, v) = k.project(&p);
+                let z = f64::from(ideal[v.round() as usize * k.width + u.round() as usize]);
+                seen += i32::from((z - solid.top).abs() < 0.002);
+            }
+        }
+        f64::from(seen) / 2500.0
+    }
+
     /// What the sensor delivers.
     pub fn frame(&self, seed: u64) -> DepthFrame {
         let k = camera();
