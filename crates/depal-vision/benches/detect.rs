@@ -1,5 +1,7 @@
 //! Time of one estimation on one thread: 1280 x 1024, eight cartons on a pallet.
 
+#![allow(missing_docs)]
+
 use criterion::{Criterion, criterion_group, criterion_main};
 use depal_vision::{VisionSettings, detect};
 

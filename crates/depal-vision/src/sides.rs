@@ -134,7 +134,10 @@ fn scan(
                 Class::Deep | Class::Hole => {
                     if let Some(inner) = last {
                         // Half way between the centres of the last surface pixel and this one.
-                        let middle = ((inner.0 + pixel.0) / 2.0, (inner.1 + pixel.1) / 2.0);
+                        let middle = (
+                            f64::midpoint(inner.0, pixel.0),
+                            f64::midpoint(inner.1, pixel.1),
+                        );
                         let at = frame.plane.meet(&k.ray(middle.0, middle.1)) - frame.origin;
                         crossings.push(Crossing {
                             along: at.dot(&tangent),

@@ -63,7 +63,7 @@ impl Solid {
         let o = [
             ox * c + oy * s,
             oy * c - ox * s,
-            origin[2] - (self.top + self.bottom) / 2.0,
+            origin[2] - f64::midpoint(self.top, self.bottom),
         ];
         let d = [
             direction[0] * c + direction[1] * s,
@@ -216,7 +216,7 @@ impl Scene {
                     if chance < 0.3 {
                         z = 0.0;
                     } else if chance < 0.4 {
-                        z = (low + high) / 2.0;
+                        z = f32::midpoint(low, high);
                     }
                 }
                 if unit(&mut r) < 0.002 {
