@@ -86,13 +86,27 @@ impl Solid {
     }
 }
 
-fn unit(r: &mut RandomStream) -> f64 {
-    r.uniform(0.0, 1.0)
+/// Fast bits for pixels, started from a named stream.
+struct Bits(u64);
+
+impl Bits {
+    /// SplitMix64.
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+}
+
+fn unit(r: &mut Bits) -> f64 {
+    (r.next() >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// Near normal with unit deviation from one draw: four 16 bit uniforms.
-fn normal(r: &mut RandomStream) -> f64 {
-    let bits = r.next_u64();
+fn normal(r: &mut Bits) -> f64 {
+    let bits = r.next();
     let sum: u64 = (0..4).map(|k| (bits >> (16 * k)) & 0xffff).sum();
     (sum as f64 / 65536.0 - 2.0) * 3f64.sqrt()
 }
@@ -179,7 +193,7 @@ impl Scene {
         let k = camera();
         let ideal = self.ideal(&k);
         let (w, h) = (k.width, k.height);
-        let mut r = RandomStreams::new(seed).stream("sensor");
+        let mut r = Bits(RandomStreams::new(seed).stream("sensor").next_u64());
         let mut jittered = vec![0.0f32; w * h];
         for v in 0..h {
             for u in 0..w {
