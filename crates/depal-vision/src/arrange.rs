@@ -15,8 +15,15 @@ const MOST_TRIES: usize = 4000;
 const MOST_READINGS: usize = 16;
 /// A reading must beat every different one by this much edge per box, else it is ambiguous.
 const CLEAR_LEAD: f64 = 0.05;
-/// Without any seam seen between them, fewer cartons than this may as well be one larger carton.
+/// Fewer cartons than this without a seam between them are doubtful.
 const LEAST_WITHOUT_SEAM: usize = 3;
+
+/// Share of edge from which a side between two boxes counts as a seam.
+const SEEN_SEAM: f64 = 0.1;
+/// Where gaps measure this much (lost pixels at their rims included), all gaps can be seen, metres.
+const WIDE_GAP: f64 = 0.0035;
+/// The same in cells: one for a gap that fills a pixel, 0.4 lost at each rim, and noise.
+const WIDE_GAP_CELLS: f64 = 2.2;
 
 /// What covers a surface.
 pub struct Arrangement {
@@ -77,14 +84,24 @@ pub fn arrange(patch: &Patch, sizes: &[BoxSize], fixed: &[Candidate]) -> Option<
             ambiguous: true,
         });
     }
-    let seams = best
-        .iter()
-        .flat_map(|b| inner_sides(b, &best, patch))
-        .filter(|&s| s > 0.1)
-        .count();
-    if seams == 0 && best.len() + fixed.len() < LEAST_WITHOUT_SEAM {
+    // Cartons joined without any seam seen may as well be one larger carton, unless one of that
+    // size stands proven beside them, or there are many of them and the gaps that are seen are so
+    // narrow that others may well be invisible.
+    let islands = islands(&best, patch.pitch);
+    let narrow = widest_gap(patch, &best) < WIDE_GAP.max(WIDE_GAP_CELLS * patch.pitch);
+    let believable = |b: usize| {
+        let together = islands.iter().filter(|&&i| i == islands[b]).count();
+        together == 1
+            || narrow && best.len() >= LEAST_WITHOUT_SEAM
+            || fixed.iter().any(|f| f.label == best[b].label)
+    };
+    let kept: Vec<Candidate> = (0..best.len())
+        .filter(|&b| believable(b))
+        .map(|b| best[b])
+        .collect();
+    if kept.len() < best.len() {
         return Some(Arrangement {
-            boxes: Vec::new(),
+            boxes: kept,
             ambiguous: true,
         });
     }
@@ -113,12 +130,54 @@ fn same(a: &[Candidate], b: &[Candidate]) -> bool {
     a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| alike(x, y)))
 }
 
-/// Edge shares of the sides of `b` that touch another box.
-fn inner_sides(b: &Candidate, all: &[Candidate], patch: &Patch) -> Vec<f64> {
-    (0..4)
-        .filter(|&side| all.iter().any(|o| touches(b, o, side, patch.pitch)))
-        .map(|side| b.sides[side])
-        .collect()
+/// The widest measured gap between two neighbours, metres; 0 when no two have a seam seen.
+fn widest_gap(patch: &Patch, boxes: &[Candidate]) -> f64 {
+    const BESIDE: isize = 3;
+    let mut widest = 0.0f64;
+    for a in boxes {
+        for b in boxes {
+            for side in [1, 3] {
+                if !touches(a, b, side, patch.pitch) || a.sides[side] < SEEN_SEAM {
+                    continue;
+                }
+                let (axis, across) = (side / 2, 1 - side / 2);
+                let from = (a.first[axis] + a.cells[axis]) as isize - BESIDE;
+                let to = b.first[axis] as isize + BESIDE;
+                let low = a.first[across].max(b.first[across]) as isize;
+                let high = (a.first[across] + a.cells[across])
+                    .min(b.first[across] + b.cells[across]) as isize;
+                let surface = if axis == 0 {
+                    patch.shares(from, low, to, high)
+                } else {
+                    patch.shares(low, from, high, to)
+                };
+                widest = widest.max((1.0 - surface.0) * (to - from) as f64 * patch.pitch);
+            }
+        }
+    }
+    widest
+}
+
+/// For each box the lowest index among the boxes it hangs together with, without a seam between.
+fn islands(boxes: &[Candidate], pitch: f64) -> Vec<usize> {
+    let mut island: Vec<usize> = (0..boxes.len()).collect();
+    for _ in 0..boxes.len() {
+        for a in 0..boxes.len() {
+            for b in 0..boxes.len() {
+                let joined = a != b
+                    && (0..4).any(|side| {
+                        touches(&boxes[a], &boxes[b], side, pitch)
+                            && boxes[a].sides[side] < SEEN_SEAM
+                    });
+                if joined {
+                    let low = island[a].min(island[b]);
+                    island[a] = low;
+                    island[b] = low;
+                }
+            }
+        }
+    }
+    island
 }
 
 /// True when `other` lies directly beyond side `side` (-X, +X, -Y, +Y) of `b`, within 10 mm, along
@@ -230,13 +289,15 @@ impl Cover<'_> {
         placed: &[Candidate],
     ) -> Option<Candidate> {
         const WHOLE: f64 = 0.96;
+        // Well above what lone holes add to a line, or a row of boxes would drift with the noise.
+        const LEAST_GAIN: f64 = 0.04;
         let exact = measure(self.patch, label, turned, corner, cells, WHOLE);
         // The corner may be a cell or two off; edges that are seen settle it.
         let start = exact.or_else(|| {
             let inward = corner.map(|c| c + 1);
             measure(self.patch, label, turned, inward, cells, WHOLE)
         })?;
-        let moved = climb(self.patch, start, WHOLE);
+        let moved = climb(self.patch, start, WHOLE, LEAST_GAIN);
         let near = (0..2).all(|k| moved.first[k].abs_diff(start.first[k]) <= 4);
         let candidate = if near && moved.score > start.score + 0.15 {
             moved

@@ -53,15 +53,15 @@ pub fn components(mask: &[u8], width: usize) -> Vec<Component> {
     }
     let mut slot = vec![usize::MAX; runs.len()];
     let mut found: Vec<Component> = Vec::new();
-    for i in 0..runs.len() {
+    for (i, &run) in runs.iter().enumerate() {
         let r = root(&mut parent, i);
         if slot[r] == usize::MAX {
             slot[r] = found.len();
             found.push(Component::default());
         }
         let component = &mut found[slot[r]];
-        component.pixels += runs[i].last - runs[i].first + 1;
-        component.runs.push(runs[i]);
+        component.pixels += run.last - run.first + 1;
+        component.runs.push(run);
     }
     found
 }

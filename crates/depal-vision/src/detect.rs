@@ -80,7 +80,7 @@ fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Det
         whole.runs.sort_by_key(|r| (r.row, r.first));
         match Surface::new(whole, &depth, image, settings, smallest) {
             Ok(surface) => {
-                found.extend(surface.cover(&mask, image, settings, &mut detection.rejected))
+                found.extend(surface.cover(&mask, image, settings, &mut detection.rejected));
             }
             Err(rejected) => detection.rejected.extend(rejected),
         }

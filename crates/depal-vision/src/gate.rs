@@ -45,7 +45,7 @@ pub fn gate(frame: &DepthFrame, settings: &VisionSettings) -> Option<DepthImage>
     );
     let mut in_region: Vec<u8> = depth
         .iter()
-        .map(|&z| u8::from((z >= near) & (z <= far)))
+        .map(|&z| u8::from(z >= near && z <= far))
         .collect();
     if let Some(region) = &settings.region {
         let region_from_camera = region.camera_from_region.inverse();

@@ -1,4 +1,46 @@
 //! Box poses from one depth frame.
+//!
+//! [`detect`] takes what a depth camera delivers and the known carton sizes, and reports every
+//! whole uncovered top face of such a size, at every height, and nothing else.
+//! It is a pure function: no clock, no randomness, the same frame gives the same bits.
+//!
+//! It must never know the scene, the simulator, carton identities or where anything really is.
+//!
+//! ```
+//! use depal_frames::{BoxSize, DepthFrame, Intrinsics};
+//! use depal_vision::{VisionSettings, detect};
+//! let intrinsics = Intrinsics { width: 64, height: 48, fx: 80.0, fy: 80.0, cx: 31.5, cy: 23.5 };
+//! let covered_lens = DepthFrame::blank(intrinsics);
+//! let settings = VisionSettings::new(vec![BoxSize::from_mm([400.0, 300.0, 250.0])]);
+//! let detection = detect(&covered_lens, &settings);
+//! assert_eq!((detection.boxes.len(), detection.points_in_region), (0, 0));
+//! ```
+//!
+//! # Stages
+//!
+//! 1. `gate`: valid pixels, depth range, region of interest.
+//! 2. `steps`: the step mask; surface is what has nothing much nearer within two pixels.
+//! 3. `components`: connected pieces. `plane`: a plane is affine in inverse depth.
+//! 4. `orientation`, `patch`: each piece resampled in its own axes, with running sums.
+//! 5. `search`: rectangles of the known sizes whose sides show edges.
+//! 6. `arrange`: surfaces without visible gaps are covered exactly by the known sizes.
+//! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
+//! 8. `verify`: size, wholeness, cover, tilt. `obstacles`: what nothing reported explains.
+//!
+//! # Units and frames
+//!
+//! Metres and radians. Camera frame: X right, Y down, Z forward. Box frame: middle of the top
+//! face, Z out of it towards the camera, X along the long side.
+//!
+//! # Limitations
+//!
+//! - The intensity image is not used yet: gaps of 0 mm are resolved by the known sizes alone. A
+//!   surface that two or more known cartons cover exactly may be one larger, unknown carton; such
+//!   a reading is refused unless cartons of that size stand proven beside it, or at least three
+//!   cover it and no gap in sight is wide enough that all gaps should be seen.
+//! - Cartons of one merged surface share its direction to about 1.5 degrees.
+//! - Where something hides part of a surface without visible gaps, nothing on it is reported.
+//! - The known sizes must differ by more than the size tolerance plus two pixels.
 
 mod arrange;
 mod components;

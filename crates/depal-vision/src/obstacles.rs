@@ -6,6 +6,8 @@ use crate::{DetectedBox, gate::DepthImage};
 
 /// Points this close to a reported carton belong to it, metres.
 const SLACK: f64 = 0.012;
+/// More cubes than any coordinate has on one side of zero (60 m of depth, wide views, 1 mm cubes).
+const SHIFT: f64 = 1e8;
 /// Cubes with fewer points are noise at a step.
 const LEAST_POINTS: usize = 3;
 
@@ -30,7 +32,8 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
     let stride = (voxel / 4.0 * k.fx.max(k.fy) / f64::from(deepest).max(0.1))
         .floor()
         .clamp(1.0, 8.0) as usize;
-    let mut cubes: Vec<[i32; 3]> = Vec::new();
+    // Cube and how many neighbouring samples fell into it in a row.
+    let mut cubes: Vec<([i32; 3], usize)> = Vec::new();
     for v in (0..image.height).step_by(stride) {
         for u in (0..image.width).step_by(stride) {
             let i = v * image.width + u;
@@ -52,17 +55,21 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
                     && m(1).abs() < size.width / 2.0 + SLACK
             });
             if !explained {
-                let cube = [p.z, p.y, p.x].map(|c| (c / voxel).floor() as i32);
-                cubes.push(cube);
+                // Shifted to the positive before the cut, which then is floor.
+                let cube = [p.z, p.y, p.x].map(|c| (c / voxel + SHIFT) as i32 - SHIFT as i32);
+                match cubes.last_mut() {
+                    Some((last, count)) if *last == cube => *count += 1,
+                    _ => cubes.push((cube, 1)),
+                }
             }
         }
     }
     cubes.sort_unstable();
     cubes
-        .chunk_by(|a, b| a == b)
-        .filter(|group| group.len() >= LEAST_POINTS)
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter(|group| group.iter().map(|g| g.1).sum::<usize>() >= LEAST_POINTS)
         .map(|group| {
-            let [z, y, x] = group[0].map(|c| (f64::from(c) + 0.5) * voxel);
+            let [z, y, x] = group[0].0.map(|c| (f64::from(c) + 0.5) * voxel);
             Point::new(x, y, z)
         })
         .collect()

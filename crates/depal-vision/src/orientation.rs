@@ -55,7 +55,9 @@ fn best(outline: &[(f64, f64)], bin: f64, middle: f64, step: f64, reach: i32) ->
     for k in -reach..=reach {
         let yaw = middle + f64::from(k) * step;
         let (s, c) = yaw.sin_cos();
-        bins.iter_mut().for_each(|b| b.fill(0));
+        for b in &mut bins {
+            b.fill(0);
+        }
         for &(x, y) in outline {
             let along = (((x * c + y * s) / bin).floor() + half as f64) as usize;
             let across = (((y * c - x * s) / bin).floor() + half as f64) as usize;

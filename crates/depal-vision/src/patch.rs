@@ -24,8 +24,10 @@ pub enum Class {
 impl DepthImage {
     /// Class of the pixel nearest to (u, v) where the plane lies at depth `expected`.
     pub fn class(&self, u: f64, v: f64, expected: f64, tolerance: f64) -> Class {
-        let (u, v) = ((u + 0.5).floor(), (v + 0.5).floor());
-        if u < 0.0 || v < 0.0 || u >= self.width as f64 || v >= self.height as f64 {
+        let (u, v) = (u + 0.5, v + 0.5);
+        // Also refuses NaN; the casts below cut off, which is floor for what passes.
+        let inside = u >= 0.0 && v >= 0.0 && u < self.width as f64 && v < self.height as f64;
+        if !inside {
             return Class::Outside;
         }
         let z = f64::from(self.depth[v as usize * self.width + u as usize]);
@@ -61,6 +63,13 @@ pub struct Patch {
 /// Weight of an edge cell that lies exactly on the line; one cell beside it counts 3, two count 1.
 const FULL: u32 = 4;
 
+/// Weight of five cells across a line, the middle one on it.
+fn weight(cells: [u8; 5]) -> u32 {
+    let full = cells[2] * FULL as u8;
+    let near = (cells[1] | cells[3]) * 3;
+    u32::from(full.max(near).max(cells[0] | cells[4]))
+}
+
 /// Side of the square on the plane that one pixel sees.
 pub fn pixel_pitch(frame: &PlaneFrame, intrinsics: &Intrinsics) -> f64 {
     frame.origin.z / intrinsics.fx.max(intrinsics.fy)
@@ -79,7 +88,9 @@ impl Patch {
         let columns = ((x[1] - x[0]) / pitch).ceil().max(1.0) as usize;
         let rows = ((y[1] - y[0]) / pitch).ceil().max(1.0) as usize;
         let mut area = vec![0u64; (columns + 1) * (rows + 1)];
-        let mut edge = vec![0u8; columns * rows];
+        // Two cells of margin all round.
+        let stride = columns + 4;
+        let mut edge = vec![0u8; stride * (rows + 4)];
         let k = &image.intrinsics;
         for j in 0..rows {
             let mut sum = 0u64;
@@ -97,41 +108,28 @@ impl Patch {
                 );
                 sum += u64::from(class == Class::On) | (u64::from(class == Class::Deep) << 32);
                 area[(j + 1) * (columns + 1) + i + 1] = area[j * (columns + 1) + i + 1] + sum;
-                edge[j * columns + i] = u8::from(matches!(class, Class::Deep | Class::Hole));
+                edge[(j + 2) * stride + i + 2] =
+                    u8::from(matches!(class, Class::Deep | Class::Hole));
             }
         }
-        let at = |i: isize, j: isize| -> u32 {
-            if i < 0 || j < 0 || i >= columns as isize || j >= rows as isize {
-                0
-            } else {
-                u32::from(edge[j as usize * columns + i as usize])
-            }
-        };
-        let weight = |far1: u32, near1: u32, on: u32, near2: u32, far2: u32| {
-            (on * FULL).max((near1 | near2) * 3).max(far1 | far2)
-        };
         let mut vertical = vec![0u32; columns * (rows + 1)];
         let mut horizontal = vec![0u32; (columns + 1) * rows];
         for j in 0..rows {
-            for i in 0..columns {
-                let (ii, jj) = (i as isize, j as isize);
-                let here = at(ii, jj);
-                vertical[(j + 1) * columns + i] = vertical[j * columns + i]
-                    + weight(
-                        at(ii - 2, jj),
-                        at(ii - 1, jj),
-                        here,
-                        at(ii + 1, jj),
-                        at(ii + 2, jj),
-                    );
-                horizontal[j * (columns + 1) + i + 1] = horizontal[j * (columns + 1) + i]
-                    + weight(
-                        at(ii, jj - 2),
-                        at(ii, jj - 1),
-                        here,
-                        at(ii, jj + 1),
-                        at(ii, jj + 2),
-                    );
+            // Five rows of the margin image around row j, and this row five cells wide.
+            let around: [&[u8]; 5] = std::array::from_fn(|k| {
+                &edge[(j + k) * stride + 2..(j + k) * stride + 2 + columns]
+            });
+            let here = &edge[(j + 2) * stride..(j + 3) * stride];
+            let (below, above) = vertical.split_at_mut((j + 1) * columns);
+            let below = &below[j * columns..];
+            for (i, (sum, window)) in above.iter_mut().zip(here.windows(5)).enumerate() {
+                *sum = below[i] + weight([window[0], window[1], window[2], window[3], window[4]]);
+            }
+            let mut sum = 0;
+            let line = &mut horizontal[j * (columns + 1) + 1..(j + 1) * (columns + 1)];
+            for (i, out) in line.iter_mut().enumerate() {
+                sum += weight(around.map(|row| row[i]));
+                *out = sum;
             }
         }
         Self {

@@ -214,7 +214,7 @@ pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candida
             continue;
         }
         let raw = candidate;
-        let candidate = climb(patch, candidate, min_visible);
+        let candidate = climb(patch, candidate, min_visible, 0.0);
         let seen = candidate.sides.iter().filter(|&&s| s >= SEEN).count();
         let whole = seen == 4
             || (seen == 3
@@ -228,8 +228,8 @@ pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candida
     kept
 }
 
-/// Moves a candidate cell by cell while the score rises.
-pub fn climb(patch: &Patch, mut candidate: Candidate, min_visible: f64) -> Candidate {
+/// Moves a candidate cell by cell while each move raises the score by more than `gain`.
+pub fn climb(patch: &Patch, mut candidate: Candidate, min_visible: f64, gain: f64) -> Candidate {
     for _ in 0..8 {
         let mut better = candidate;
         for (di, dj) in [(-1isize, 0isize), (1, 0), (0, -1), (0, 1)] {
@@ -246,7 +246,7 @@ pub fn climb(patch: &Patch, mut candidate: Candidate, min_visible: f64) -> Candi
                 [i, j],
                 candidate.cells,
                 min_visible,
-            ) && moved.score > better.score
+            ) && moved.score > better.score.max(candidate.score + gain)
             {
                 better = moved;
             }

@@ -123,7 +123,8 @@ fn scan(
         for step in 0..=steps {
             let p = base + outward * (half - reach + step as f64 * 0.5 * pitch);
             let (u, v) = k.project(&p);
-            let pixel = ((u + 0.5).floor(), (v + 0.5).floor());
+            // Truncation is floor here: negative pixels are outside and end the line.
+            let pixel = (((u + 0.5) as i64) as f64, ((v + 0.5) as i64) as f64);
             if last == Some(pixel) {
                 continue;
             }
@@ -133,7 +134,10 @@ fn scan(
                 Class::Deep | Class::Hole => {
                     if let Some(inner) = last {
                         // Half way between the centres of the last surface pixel and this one.
-                        let middle = ((inner.0 + pixel.0) / 2.0, (inner.1 + pixel.1) / 2.0);
+                        let middle = (
+                            f64::midpoint(inner.0, pixel.0),
+                            f64::midpoint(inner.1, pixel.1),
+                        );
                         let at = frame.plane.meet(&k.ray(middle.0, middle.1)) - frame.origin;
                         crossings.push(Crossing {
                             along: at.dot(&tangent),

@@ -17,24 +17,19 @@ pub fn surface_mask(
         .iter()
         .map(|&z| if z > 0.0 { z } else { f32::MAX })
         .collect();
-    let nearest = windowed(&far, width, height, f32::MAX, f32::min);
+    let nearest = windowed(&far, width, height, f32::MAX);
     let surface: Vec<u8> = depth
         .iter()
         .zip(&nearest)
         .zip(inside)
         .map(|((&z, &low), &inside)| inside & u8::from(z - low < step))
         .collect();
-    windowed(&surface, width, height, 0, u8::min)
+    windowed(&surface, width, height, 0)
 }
 
 /// Running minimum over the square window; `outside` stands for pixels beyond the image.
-fn windowed<T: Copy>(
-    image: &[T],
-    width: usize,
-    height: usize,
-    outside: T,
-    min: fn(T, T) -> T,
-) -> Vec<T> {
+fn windowed<T: Copy + PartialOrd>(image: &[T], width: usize, height: usize, outside: T) -> Vec<T> {
+    let min = |a: T, b: T| if b < a { b } else { a };
     let mut rows = image.to_vec();
     let mut padded = vec![outside; width + 2 * REACH];
     for (source, target) in image.chunks_exact(width).zip(rows.chunks_exact_mut(width)) {
@@ -48,18 +43,16 @@ fn windowed<T: Copy>(
     }
     let mut result = rows.clone();
     let blank = vec![outside; width];
-    let row = |v: isize| -> &[T] {
-        if v < 0 || v >= height as isize {
-            &blank
-        } else {
-            &rows[v as usize * width..(v as usize + 1) * width]
-        }
+    let row = |v: Option<usize>| match v {
+        Some(v) if v < height => &rows[v * width..(v + 1) * width],
+        _ => &blank[..],
     };
     for (v, target) in result.chunks_exact_mut(width).enumerate() {
-        let v = v as isize;
-        let (a, b, d, e) = (row(v - 2), row(v - 1), row(v + 1), row(v + 2));
-        for (u, out) in target.iter_mut().enumerate() {
-            *out = min(*out, min(min(a[u], b[u]), min(d[u], e[u])));
+        let others = [v.checked_sub(2), v.checked_sub(1), Some(v + 1), Some(v + 2)].map(row);
+        for other in others {
+            for (out, &value) in target.iter_mut().zip(other) {
+                *out = min(*out, value);
+            }
         }
     }
     result

@@ -221,9 +221,9 @@ pub fn neighbours(surfaces: &[Surface], settings: &VisionSettings) -> Vec<Vec<us
         let mut group = vec![seed];
         let mut next = 0;
         while next < group.len() {
-            for other in 0..surfaces.len() {
-                if !taken[other] && beside(group[next], other) {
-                    taken[other] = true;
+            for (other, taken) in taken.iter_mut().enumerate() {
+                if !*taken && beside(group[next], other) {
+                    *taken = true;
                     group.push(other);
                 }
             }

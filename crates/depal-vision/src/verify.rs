@@ -151,7 +151,7 @@ fn look(
             let class = image.class(u, v, p.z, tolerance);
             result.counts[class as usize] += 1;
             if class == Class::On {
-                let (u, v) = ((u + 0.5).floor(), (v + 0.5).floor());
+                let (u, v) = (((u + 0.5) as i64) as f64, ((v + 0.5) as i64) as f64);
                 let z = f64::from(image.depth[v as usize * image.width + u as usize]);
                 result.surface.push((u, v, z));
             }
@@ -177,7 +177,7 @@ fn is_covered(image: &DepthImage, frame: &PlaneFrame, extents: [f64; 2], toleran
             if image.class(u, v, p.z, tolerance) != Class::Near {
                 continue;
             }
-            let (u, v) = ((u + 0.5).floor(), (v + 0.5).floor());
+            let (u, v) = (((u + 0.5) as i64) as f64, ((v + 0.5) as i64) as f64);
             let z = f64::from(image.depth[v as usize * image.width + u as usize]);
             let from_middle: nalgebra::Vector3<f64> =
                 k.deproject(u, v, z) - Point::from(frame.origin.coords);

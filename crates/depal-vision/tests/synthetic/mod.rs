@@ -63,7 +63,7 @@ impl Solid {
         let o = [
             ox * c + oy * s,
             oy * c - ox * s,
-            origin[2] - (self.top + self.bottom) / 2.0,
+            origin[2] - f64::midpoint(self.top, self.bottom),
         ];
         let d = [
             direction[0] * c + direction[1] * s,
@@ -86,13 +86,27 @@ impl Solid {
     }
 }
 
-fn unit(r: &mut RandomStream) -> f64 {
-    r.uniform(0.0, 1.0)
+/// Fast bits for pixels, started from a named stream.
+struct Bits(u64);
+
+impl Bits {
+    /// SplitMix64.
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+}
+
+fn unit(r: &mut Bits) -> f64 {
+    (r.next() >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// Near normal with unit deviation from one draw: four 16 bit uniforms.
-fn normal(r: &mut RandomStream) -> f64 {
-    let bits = r.next_u64();
+fn normal(r: &mut Bits) -> f64 {
+    let bits = r.next();
     let sum: u64 = (0..4).map(|k| (bits >> (16 * k)) & 0xffff).sum();
     (sum as f64 / 65536.0 - 2.0) * 3f64.sqrt()
 }
@@ -151,12 +165,35 @@ impl Scene {
         lit
     }
 
+    /// Share of a top that camera and projector reach.
+    pub fn seen_share(&self, solid: &Solid) -> f64 {
+        let k = camera();
+        let ideal = self.ideal(&k);
+        let (s, c) = solid.yaw.sin_cos();
+        let mut seen = 0;
+        for i in 0..50 {
+            for j in 0..50 {
+                let x = (f64::from(i) / 49.0 - 0.5) * (solid.length - 0.01);
+                let y = (f64::from(j) / 49.0 - 0.5) * (solid.width - 0.01);
+                let p = depal_frames::Point::new(
+                    solid.x + x * c - y * s,
+                    solid.y + x * s + y * c,
+                    solid.top,
+                );
+                let (u, v) = k.project(&p);
+                let z = f64::from(ideal[v.round() as usize * k.width + u.round() as usize]);
+                seen += i32::from((z - solid.top).abs() < 0.002);
+            }
+        }
+        f64::from(seen) / 2500.0
+    }
+
     /// What the sensor delivers.
     pub fn frame(&self, seed: u64) -> DepthFrame {
         let k = camera();
         let ideal = self.ideal(&k);
         let (w, h) = (k.width, k.height);
-        let mut r = RandomStreams::new(seed).stream("sensor");
+        let mut r = Bits(RandomStreams::new(seed).stream("sensor").next_u64());
         let mut jittered = vec![0.0f32; w * h];
         for v in 0..h {
             for u in 0..w {
@@ -193,7 +230,7 @@ impl Scene {
                     if chance < 0.3 {
                         z = 0.0;
                     } else if chance < 0.4 {
-                        z = (low + high) / 2.0;
+                        z = f32::midpoint(low, high);
                     }
                 }
                 if unit(&mut r) < 0.002 {
