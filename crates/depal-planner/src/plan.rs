@@ -66,7 +66,8 @@ pub struct PickPlan {
     pub carried: PlacedShape,
     /// Least distance of arm, gripper and (in free moves) carton to anything, m; at most 0.15, where measuring ends.
     /// The picked box itself counts as carton, and the carton's rubbing distance to its neighbours and to the supports
-    /// during the straight lift and set-down does not count.
+    /// during the straight lift and set-down does not count. Measured at single states: between them it may be smaller by
+    /// a fifth and 1 mm, and it is proven to stay positive.
     pub min_clearance: f64,
     /// Estimated time of the whole way, without waiting, s.
     pub estimated_time: f64,
