@@ -62,7 +62,8 @@ fn between(
     let way = check.displacement(&from.1.poses, &to.1.poses);
     let sum = from.1.distance + to.1.distance;
     let bound = f64::from(sum - way) * 0.5;
-    if near && (way <= FINEST || (way < sum * 0.9 && bound >= *least * (1.0 - SLACK_SHARE) - 0.001)) {
+    if near && (way <= FINEST || (way < sum * 0.9 && bound >= *least * (1.0 - SLACK_SHARE) - 0.001))
+    {
         return Ok(());
     }
     let middle = from.0.lerp(&to.0, 0.5);

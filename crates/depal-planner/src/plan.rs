@@ -185,8 +185,18 @@ impl Planner<'_> {
         let attempts = self.attempts(index, &grasps, &mut farthest)?;
         let tried = attempts.len().min(settings.max_attempts);
         let mut unreachable = None;
-        for attempt in attempts.iter().take(settings.max_attempts) {
-            match self.way(index, &grasps[attempt.grasp], attempt, &mut farthest) {
+        // Templates for every attempt first; then the search for the first few.
+        let plain = attempts
+            .iter()
+            .take(settings.max_attempts)
+            .map(|a| (a, false));
+        let searched = attempts
+            .iter()
+            .take(settings.search_attempts)
+            .map(|a| (a, true));
+        for (attempt, search) in plain.chain(searched) {
+            let grasp = &grasps[attempt.grasp];
+            match self.way(index, grasp, attempt, search, &mut farthest) {
                 Ok(plan) if plan.waypoints.len() > settings.max_waypoints => {
                     return Err(RejectReason::TooManyWaypoints {
                         found: plan.waypoints.len(),
@@ -322,6 +332,7 @@ impl Planner<'_> {
         index: usize,
         grasp: &Grasp,
         attempt: &Attempt,
+        search: bool,
         farthest: &mut Farthest,
     ) -> Result<PickPlan, Option<Stage>> {
         let request = self.request;
@@ -368,7 +379,15 @@ impl Planner<'_> {
         let to_pick = check(Stage::TransferToPick, first_world, None, None);
         let to_place = check(Stage::TransferToPlace, far, Some(&carton), target);
         let there = self
-            .free_way(&to_pick, &request.start, None, &approach, None, farthest)
+            .free_way(
+                &to_pick,
+                &request.start,
+                None,
+                &approach,
+                None,
+                search,
+                farthest,
+            )
             .ok_or(None)?;
         let back = self
             .free_way(
@@ -377,6 +396,7 @@ impl Planner<'_> {
                 Some(&lift),
                 &set_down,
                 Some(settings.max_carry_tilt),
+                search,
                 farthest,
             )
             .ok_or(None)?;
@@ -411,6 +431,7 @@ impl Planner<'_> {
         before: Option<&[JointPositions]>,
         after: &[JointPositions],
         upright: Option<f64>,
+        search: bool,
         farthest: &mut Farthest,
     ) -> Option<Vec<JointPositions>> {
         let settings = self.request.settings;
@@ -425,6 +446,15 @@ impl Planner<'_> {
             world: &self.worlds.close,
             ..*check
         };
+        // The corners between this way and the straight moves beside it.
+        let ends = |points: &[JointPositions]| {
+            let last = points.len() - 1;
+            let into = corner(&points[last - 1], &to, &after[after.len() / 2], &beside);
+            into.or_else(|| {
+                let half = before.map(|line| &line[line.len() / 2])?;
+                corner(half, from, &points[1], &beside)
+            })
+        };
         for way in ways(self.request.arm, from, &to) {
             match touch_on_way(check, &way.points, upright, settings) {
                 Err(Blocked::Touches(touch)) => {
@@ -434,19 +464,22 @@ impl Planner<'_> {
                 Err(Blocked::Leans) => continue,
                 Ok(()) => {}
             }
-            let points = &way.points;
-            let last = points.len() - 1;
-            let into = corner(&points[last - 1], &to, &after[after.len() / 2], &beside);
-            let out = before.and_then(|line| {
-                let half = &line[line.len() / 2];
-                corner(half, from, &points[1], &beside)
-            });
-            match into.or(out) {
+            match ends(&way.points) {
                 Some(touch) => farthest.note(touch),
                 None => return Some(way.points),
             }
         }
-        None
+        if !search {
+            return None;
+        }
+        let way = crate::search::search(check, from, &to, upright, settings)?;
+        match ends(&way) {
+            Some(touch) => {
+                farthest.note(touch);
+                None
+            }
+            None => Some(way),
+        }
     }
 
     fn finish(

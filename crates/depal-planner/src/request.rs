@@ -91,6 +91,12 @@ pub struct PlannerSettings {
     pub check_step: f64,
     /// Combinations of grasp, branch, turn and yaw tried for one box before it is given up.
     pub max_attempts: usize,
+    /// Of these, the first so many may use the random search when every template is blocked; 0 turns it off.
+    pub search_attempts: usize,
+    /// Growth steps of one search. Raising it finds narrower ways and delays refusals.
+    pub search_rounds: usize,
+    /// Seed of the search.
+    pub search_seed: u64,
 }
 
 impl Default for PlannerSettings {
@@ -118,6 +124,9 @@ impl Default for PlannerSettings {
             linear_acceleration: 3.0,
             check_step: 0.05,
             max_attempts: 24,
+            search_attempts: 3,
+            search_rounds: 800,
+            search_seed: 1,
         }
     }
 }

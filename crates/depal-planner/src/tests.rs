@@ -590,6 +590,82 @@ fn a_tower_beside_the_box_shifts_the_gripper() {
     }
 }
 
+/// A wall with a beam above it across the sweep of axis 1: every template meets one of them, the search finds the window.
+#[test]
+fn a_window_needs_the_search() {
+    let boxes = [seen(1.7, 0.0, 0.9, 0.0)];
+    let turned = |x: f64, z: f64, size: Vector| {
+        let heading = Rotation::from_axis_angle(&Vector::z_axis(), 0.75);
+        let pose =
+            Pose::from_parts(Translation3::identity(), heading) * Pose::translation(x, 0.0, z);
+        PlacedShape::cuboid(pose, size)
+    };
+    let mut cell = Cell::new();
+    cell.start = JointPositions::from_degrees(&[0.0, -15.0, 10.0, 0.0, 95.0, 0.0]);
+    cell.known
+        .push(turned(1.85, 0.6, Vector::new(1.8, 0.05, 1.2)));
+    cell.known
+        .push(turned(2.0, 2.8, Vector::new(2.0, 0.05, 1.0)));
+    let plan = cell.plan(&boxes).unwrap();
+    assert_free(&cell, &boxes, &plan);
+    assert_consistent(&cell, &boxes, &plan);
+    assert!(
+        plan.waypoints.len() <= 9 && plan.min_clearance > 0.005,
+        "{plan:?}"
+    );
+    assert_eq!(cell.plan(&boxes), Ok(plan), "the seed is fixed");
+    // While the carton hangs, the tool never leans more than allowed.
+    let plan = cell.plan(&boxes).unwrap();
+    for (i, q) in dense(&cell, &plan, 0.01) {
+        let tool = cell.arm.base_from_flange(&q) * cell.gripper.flange_from_tcp;
+        let lean = (tool.rotation * -Vector::z()).z.clamp(-1.0, 1.0).acos();
+        assert!(
+            i <= plan.pick_index || lean <= cell.settings.max_carry_tilt + 1e-3,
+            "{lean}"
+        );
+    }
+
+    cell.settings.search_attempts = 0;
+    let refusal = cell.plan(&boxes).unwrap_err().to_string();
+    assert!(
+        refusal.contains("known obstacle 5 on the way to the place"),
+        "{refusal}"
+    );
+
+    // Bricked up, the window is refused even with the search.
+    cell.settings.search_attempts = 3;
+    cell.known
+        .push(turned(1.85, 1.8, Vector::new(2.4, 0.05, 1.3)));
+    assert!(matches!(cell.plan(&boxes), Err(Refusal::NothingFits(_))));
+}
+
+/// What vision gets wrong: 4 mm in place and size, half a degree in all angles. The planner must live with it.
+#[test]
+fn noisy_vision_is_lived_with() {
+    let mut random = RandomStreams::new(11).stream("vision");
+    for layers in [1, 3, 6] {
+        let mut cell = Cell::new();
+        let mut boxes = visible(&pallet(layers));
+        for b in &mut boxes {
+            let mut off = |scale: f64| random.uniform(-scale, scale);
+            b.base_from_box.translation.vector += Vector::new(off(0.004), off(0.004), off(0.004));
+            b.base_from_box.rotation *=
+                Rotation::from_euler_angles(off(0.009), off(0.009), off(0.009));
+            b.size.length += off(0.004);
+            b.size.width += off(0.004);
+        }
+        while !boxes.is_empty() {
+            let plan = cell
+                .plan(&boxes)
+                .unwrap_or_else(|e| panic!("{layers} layers: {e}"));
+            assert_free(&cell, &boxes, &plan);
+            assert!(!plan.sections.is_empty());
+            boxes.remove(plan.box_index);
+            cell.start = plan.waypoints[plan.waypoints.len() - 2].joints;
+        }
+    }
+}
+
 #[test]
 #[ignore = "a load to be timed from outside"]
 fn timing_probe() {
