@@ -34,6 +34,7 @@ pub struct PlanRequest<'a> {
     /// Floor, conveyor, pallet, fence, posts.
     pub known_obstacles: &'a [PlacedShape],
     /// Leftover depth points that no box explains, thinned to about [`PlannerSettings::point_size`].
+    /// Points within [`PlannerSettings::stack_tolerance`] of a box or below its top are taken to be part of it.
     pub obstacle_points: &'a [Point],
     /// Where the arm is now, rad.
     pub start: JointPositions,

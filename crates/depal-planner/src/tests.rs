@@ -666,6 +666,78 @@ fn noisy_vision_is_lived_with() {
     }
 }
 
+/// Points at the rim of a box are part of it; the same points 60 mm above a face are something that stands there.
+#[test]
+fn rim_points_belong_to_their_box() {
+    let boxes = visible(&pallet(3));
+    let mut cell = Cell::new();
+    let clean = cell.plan(&boxes).unwrap();
+    let rim = |height: f64| -> Vec<Point> {
+        let corners = [(0.205, 0.1), (-0.195, -0.155), (0.0, 0.15)];
+        let target = boxes[clean.box_index].base_from_box;
+        corners
+            .iter()
+            .map(|&(x, y)| target * Point::new(x, y, height))
+            .collect()
+    };
+    cell.points = rim(0.008);
+    assert_eq!(cell.plan(&boxes).unwrap(), clean);
+    cell.points = rim(0.06);
+    match cell.plan(&boxes) {
+        Ok(other) => assert_ne!(other.box_index, clean.box_index),
+        Err(refusal) => panic!("{refusal}"),
+    }
+}
+
+/// Another gripper: four strips that together cover one face, so the long side lies along the gripper and all are used.
+#[test]
+fn a_plate_of_the_cartons_size_uses_all_its_sections() {
+    let mut cell = Cell::new();
+    cell.gripper.flange_from_tcp = Pose::translation(0.0, 0.0, 0.25);
+    cell.gripper.bodies = vec![PlacedShape::cuboid(
+        Pose::translation(0.0, 0.0, -0.06),
+        Vector::new(0.39, 0.29, 0.06),
+    )];
+    cell.gripper.cups.clear();
+    for section in 0..4 {
+        let x = -0.1425 + 0.095 * section as f64;
+        cell.gripper.sections[section].area = [x - 0.0475, x + 0.0475, -0.14, 0.14];
+        for (i, j) in [
+            (-1, -3),
+            (-1, -1),
+            (-1, 1),
+            (-1, 3),
+            (1, -3),
+            (1, -1),
+            (1, 1),
+            (1, 3),
+        ] {
+            cell.gripper.cups.push(CupSpec {
+                position: [x + 0.02375 * f64::from(i), 0.035 * f64::from(j)],
+                section,
+                diameter: 0.045,
+                stiffness: 10_000.0,
+                damping: 100.0,
+                stroke: 0.01,
+            });
+        }
+    }
+    let mut boxes = pallet(2);
+    while !boxes.is_empty() {
+        cell.start = JointPositions::from_degrees(&[90.0, -20.0, 20.0, 0.0, 90.0, 0.0]);
+        let top = visible(&boxes);
+        let plan = cell.plan(&top).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(
+            (&plan.sections[..], plan.group_orientation),
+            (&[0, 1, 2, 3][..], 0)
+        );
+        assert!(plan.pick_index >= 1, "there is a way down");
+        assert_consistent(&cell, &top, &plan);
+        assert_free(&cell, &top, &plan);
+        boxes.retain(|b| b.base_from_box != top[plan.box_index].base_from_box);
+    }
+}
+
 #[test]
 #[ignore = "a load to be timed from outside"]
 fn timing_probe() {
