@@ -155,22 +155,50 @@ struct Planner<'a> {
 /// One combination of grasp, joints at the pick and joints at the place.
 struct Attempt {
     grasp: usize,
-    tier: usize,
     pick: JointPositions,
     place: JointPositions,
     time: f64,
 }
 
-/// The touch that came farthest along the way.
+/// What stood in the way of a box: the touch that came farthest, and how far reach was the trouble.
 #[derive(Default)]
-struct Farthest(Option<Touch>);
+struct Notes {
+    touch: Option<Touch>,
+    poses: usize,
+    reached_pick: bool,
+    reached_place: bool,
+    straight: Option<Stage>,
+}
 
-impl Farthest {
-    fn note(&mut self, touch: Touch) {
-        if self.0.as_ref().is_none_or(|t| t.stage < touch.stage) {
-            self.0 = Some(touch);
+impl Notes {
+    fn touched(&mut self, touch: Touch) {
+        if self.touch.as_ref().is_none_or(|t| t.stage < touch.stage) {
+            self.touch = Some(touch);
         }
     }
+
+    fn reason(self, tried: usize) -> RejectReason {
+        let unreachable = |stage, tried| RejectReason::Unreachable { stage, tried };
+        if !self.reached_pick {
+            return unreachable(Stage::Pick, self.poses);
+        }
+        match (self.touch, self.straight) {
+            (Some(touch), _) if tried > 0 || self.reached_place || touch.stage == Stage::Pick => {
+                RejectReason::Collision {
+                    touch,
+                    tried: tried.max(self.poses),
+                }
+            }
+            (_, Some(stage)) => unreachable(stage, tried),
+            _ if !self.reached_place => unreachable(Stage::Place, self.poses),
+            _ => unreachable(Stage::TransferToPlace, tried),
+        }
+    }
+}
+
+/// Same number of sections, same offset: only the yaw differs.
+fn equally_good(a: &Grasp, b: &Grasp) -> bool {
+    a.sections.len() == b.sections.len() && (a.tcp_offset.norm() - b.tcp_offset.norm()).abs() < 1e-3
 }
 
 impl Planner<'_> {
@@ -181,68 +209,47 @@ impl Planner<'_> {
     fn pick_box(&self, index: usize) -> Result<PickPlan, RejectReason> {
         let settings = self.request.settings;
         let grasps = grasps(self.request.gripper, &self.request.boxes[index], settings)?;
-        let mut farthest = Farthest::default();
-        let attempts = self.attempts(index, &grasps, &mut farthest)?;
-        let tried = attempts.len().min(settings.max_attempts);
-        let mut unreachable = None;
-        // Templates for every attempt first; then the search for the first few.
-        let plain = attempts
-            .iter()
-            .take(settings.max_attempts)
-            .map(|a| (a, false));
-        let searched = attempts
-            .iter()
-            .take(settings.search_attempts)
-            .map(|a| (a, true));
-        for (attempt, search) in plain.chain(searched) {
-            let grasp = &grasps[attempt.grasp];
-            match self.way(index, grasp, attempt, search, &mut farthest) {
-                Ok(plan) if plan.waypoints.len() > settings.max_waypoints => {
-                    return Err(RejectReason::TooManyWaypoints {
-                        found: plan.waypoints.len(),
-                        limit: settings.max_waypoints,
-                    });
+        let mut notes = Notes::default();
+        let mut tried = 0;
+        let mut first: Vec<(&Grasp, Attempt)> = Vec::new();
+        // Equally good grasps are mixed and sorted by time; worse ones come only when these lead nowhere.
+        for tier in grasps.chunk_by(equally_good) {
+            for attempt in self.attempts(index, tier, &mut notes) {
+                tried += 1;
+                let grasp = &tier[attempt.grasp];
+                if let Some(plan) = self.way(index, grasp, &attempt, false, &mut notes) {
+                    return self.sized(plan);
                 }
-                Ok(plan) => return Ok(plan),
-                Err(Some(stage)) => unreachable = Some(stage),
-                Err(None) => {}
+                if first.len() < settings.search_attempts {
+                    first.push((grasp, attempt));
+                }
             }
         }
-        Err(match (farthest.0, unreachable) {
-            (Some(touch), _) => RejectReason::Collision { touch, tried },
-            (None, stage) => RejectReason::Unreachable {
-                stage: stage.unwrap_or(Stage::TransferToPlace),
-                tried,
-            },
-        })
+        // No template is free: search for the first few.
+        for (grasp, attempt) in &first {
+            if let Some(plan) = self.way(index, grasp, attempt, true, &mut notes) {
+                return self.sized(plan);
+            }
+        }
+        Err(notes.reason(tried))
     }
 
-    /// Every combination whose pick and place are reachable and free, in order of grasp and obstacle-free time.
-    fn attempts(
-        &self,
-        index: usize,
-        grasps: &[Grasp],
-        farthest: &mut Farthest,
-    ) -> Result<Vec<Attempt>, RejectReason> {
+    fn sized(&self, plan: PickPlan) -> Result<PickPlan, RejectReason> {
+        let (found, limit) = (plan.waypoints.len(), self.request.settings.max_waypoints);
+        if found > limit {
+            return Err(RejectReason::TooManyWaypoints { found, limit });
+        }
+        Ok(plan)
+    }
+
+    /// The fastest combinations whose pick and place are reachable and free, in order of obstacle-free time.
+    fn attempts(&self, index: usize, grasps: &[Grasp], notes: &mut Notes) -> Vec<Attempt> {
         let request = self.request;
         let (arm, settings) = (request.arm, request.settings);
         let seen = &request.boxes[index];
         let tcp_from_flange = request.gripper.flange_from_tcp.inverse();
         let mut attempts: Vec<Attempt> = Vec::new();
-        let (mut reached_pick, mut reached_place, mut poses) = (false, false, 0);
-        let mut tier = 0;
         for (g, grasp) in grasps.iter().enumerate() {
-            let same = |other: &Grasp| {
-                other.sections.len() == grasp.sections.len()
-                    && (other.tcp_offset.norm() - grasp.tcp_offset.norm()).abs() < 1e-3
-            };
-            if g > 0 && !same(&grasps[g - 1]) {
-                tier += 1;
-                // A worse grasp is looked at only when the better ones lead nowhere or are few.
-                if attempts.len() >= settings.max_attempts {
-                    break;
-                }
-            }
             let at_pick = seen.base_from_box * grasp.box_from_tcp * tcp_from_flange;
             let bare_tool = Check {
                 robot: self.robot,
@@ -252,10 +259,10 @@ impl Planner<'_> {
                 stage: Stage::Pick,
             };
             let picks = arm.inverse(&at_pick);
-            reached_pick |= !picks.is_empty();
-            let picks = free_states(&bare_tool, picks, farthest);
+            notes.poses += 1;
+            notes.reached_pick |= !picks.is_empty();
+            let picks = free_states(&bare_tool, picks, notes);
             if picks.is_empty() {
-                poses += 1;
                 continue;
             }
             let shrunk = self.robot.carton(&grasp.carried, settings.stack_tolerance);
@@ -265,20 +272,19 @@ impl Planner<'_> {
                 ..bare_tool
             };
             for &yaw in &request.place.yaws {
-                poses += 1;
                 let turn = Rotation::from_axis_angle(&Vector::z_axis(), yaw);
                 let up = Pose::translation(0.0, 0.0, seen.size.height + settings.place_gap);
                 let base_from_placed = request.place.base_from_place * turn * up;
                 let at_place = base_from_placed * grasp.box_from_tcp * tcp_from_flange;
                 let places = arm.inverse(&at_place);
-                reached_place |= !places.is_empty();
-                for place in free_states(&loaded, places, farthest) {
+                notes.poses += 1;
+                notes.reached_place |= !places.is_empty();
+                for place in free_states(&loaded, places, notes) {
                     for pick in &picks {
                         let there = Trapezoid::joints(&request.start, pick, arm.limits());
                         let back = Trapezoid::joints(pick, &place, arm.limits());
                         attempts.push(Attempt {
                             grasp: g,
-                            tier,
                             pick: *pick,
                             place,
                             time: there.duration + back.duration,
@@ -287,24 +293,9 @@ impl Planner<'_> {
                 }
             }
         }
-        if attempts.is_empty() {
-            return Err(match (reached_pick, reached_place, farthest.0.take()) {
-                (true, _, Some(touch)) => RejectReason::Collision {
-                    touch,
-                    tried: poses,
-                },
-                (true, ..) => RejectReason::Unreachable {
-                    stage: Stage::Place,
-                    tried: poses,
-                },
-                (false, ..) => RejectReason::Unreachable {
-                    stage: Stage::Pick,
-                    tried: poses,
-                },
-            });
-        }
-        attempts.sort_by(|a, b| a.tier.cmp(&b.tier).then(a.time.total_cmp(&b.time)));
-        Ok(attempts)
+        attempts.sort_by(|a, b| a.time.total_cmp(&b.time));
+        attempts.truncate(settings.attempts_per_grasp);
+        attempts
     }
 
     /// How far the carton is lifted straight up: its bottom clears whatever stands beside it, corner cutting included.
@@ -326,15 +317,15 @@ impl Planner<'_> {
         neighbours + above - bottom
     }
 
-    /// The whole way of one attempt. `Err(Some(stage))` says that a straight move leaves the arm's reach.
+    /// The whole way of one attempt; what hinders it is noted.
     fn way(
         &self,
         index: usize,
         grasp: &Grasp,
         attempt: &Attempt,
         search: bool,
-        farthest: &mut Farthest,
-    ) -> Result<PickPlan, Option<Stage>> {
+        notes: &mut Notes,
+    ) -> Option<PickPlan> {
         let request = self.request;
         let (arm, settings) = (request.arm, request.settings);
         let carton = self.robot.carton(&grasp.carried, 0.0);
@@ -350,13 +341,17 @@ impl Planner<'_> {
         let target = Some(index);
 
         // The straight moves.
-        let mut approach = vertical_line(arm, &attempt.pick, settings.approach_height)
-            .ok_or(Some(Stage::Approach))?;
+        let mut line = |start: &JointPositions, rise: f64, stage: Stage| {
+            let states = vertical_line(arm, start, rise);
+            if states.is_none() {
+                notes.straight = Some(stage);
+            }
+            states
+        };
+        let mut approach = line(&attempt.pick, settings.approach_height, Stage::Approach)?;
         approach.reverse();
-        let lift =
-            vertical_line(arm, &attempt.pick, self.lift_height(index)).ok_or(Some(Stage::Lift))?;
-        let mut set_down = vertical_line(arm, &attempt.place, settings.place_height)
-            .ok_or(Some(Stage::SetDown))?;
+        let lift = line(&attempt.pick, self.lift_height(index), Stage::Lift)?;
+        let mut set_down = line(&attempt.place, settings.place_height, Stage::SetDown)?;
         set_down.reverse();
         let down = check(Stage::Approach, close, None, target);
         let up = check(Stage::Lift, close, Some(&shrunk), target);
@@ -369,8 +364,8 @@ impl Planner<'_> {
             (&lower_bare, &set_down),
         ] {
             if let Some(touch) = touch_on_states(check, states) {
-                farthest.note(touch);
-                return Err(None);
+                notes.touched(touch);
+                return None;
             }
         }
 
@@ -378,28 +373,24 @@ impl Planner<'_> {
         let first_world = if self.start_far { far } else { close };
         let to_pick = check(Stage::TransferToPick, first_world, None, None);
         let to_place = check(Stage::TransferToPlace, far, Some(&carton), target);
-        let there = self
-            .free_way(
-                &to_pick,
-                &request.start,
-                None,
-                &approach,
-                None,
-                search,
-                farthest,
-            )
-            .ok_or(None)?;
-        let back = self
-            .free_way(
-                &to_place,
-                &lift[lift.len() - 1],
-                Some(&lift),
-                &set_down,
-                Some(settings.max_carry_tilt),
-                search,
-                farthest,
-            )
-            .ok_or(None)?;
+        let there = self.free_way(
+            &to_pick,
+            &request.start,
+            None,
+            &approach,
+            None,
+            search,
+            notes,
+        )?;
+        let back = self.free_way(
+            &to_place,
+            &lift[lift.len() - 1],
+            Some(&lift),
+            &set_down,
+            Some(settings.max_carry_tilt),
+            search,
+            notes,
+        )?;
 
         // The certificate: true bodies, all of the way.
         let bare_of = |check: &Check<'_>| check.without;
@@ -414,11 +405,11 @@ impl Planner<'_> {
         for (carton, without, states) in stretches {
             let fine = check(Stage::Certificate, bare, carton, without);
             if let Err(touch) = certify(&fine, states, &mut clearance) {
-                farthest.note(touch);
-                return Err(None);
+                notes.touched(touch);
+                return None;
             }
         }
-        Ok(self.finish(
+        Some(self.finish(
             index, grasp, &there, &approach, &lift, &back, &set_down, clearance,
         ))
     }
@@ -432,7 +423,7 @@ impl Planner<'_> {
         after: &[JointPositions],
         upright: Option<f64>,
         search: bool,
-        farthest: &mut Farthest,
+        notes: &mut Notes,
     ) -> Option<Vec<JointPositions>> {
         let settings = self.request.settings;
         let tool = |q: &JointPositions| self.tool(q);
@@ -458,14 +449,14 @@ impl Planner<'_> {
         for way in ways(self.request.arm, from, &to) {
             match touch_on_way(check, &way.points, upright, settings) {
                 Err(Blocked::Touches(touch)) => {
-                    farthest.note(touch);
+                    notes.touched(touch);
                     continue;
                 }
                 Err(Blocked::Leans) => continue,
                 Ok(()) => {}
             }
             match ends(&way.points) {
-                Some(touch) => farthest.note(touch),
+                Some(touch) => notes.touched(touch),
                 None => return Some(way.points),
             }
         }
@@ -475,7 +466,7 @@ impl Planner<'_> {
         let way = crate::search::search(check, from, &to, upright, settings)?;
         match ends(&way) {
             Some(touch) => {
-                farthest.note(touch);
+                notes.touched(touch);
                 None
             }
             None => Some(way),
@@ -569,14 +560,14 @@ impl Planner<'_> {
 fn free_states(
     check: &Check,
     states: Vec<JointPositions>,
-    farthest: &mut Farthest,
+    notes: &mut Notes,
 ) -> Vec<JointPositions> {
     states
         .into_iter()
         .filter(|q| match check.touch(q) {
             None => true,
             Some(touch) => {
-                farthest.note(touch);
+                notes.touched(touch);
                 false
             }
         })

@@ -90,9 +90,9 @@ pub struct PlannerSettings {
     pub linear_acceleration: f64,
     /// Step of the padded path check, rad (Euclidean over all joints).
     pub check_step: f64,
-    /// Combinations of grasp, branch, turn and yaw tried for one box before it is given up.
-    pub max_attempts: usize,
-    /// Of these, the first so many may use the random search when every template is blocked; 0 turns it off.
+    /// Combinations of branch, turn and yaw tried for one grasp (and those equally good) before the next worse one.
+    pub attempts_per_grasp: usize,
+    /// Of all attempts, the first so many may use the random search when every template is blocked; 0 turns it off.
     pub search_attempts: usize,
     /// Growth steps of one search. Raising it finds narrower ways and delays refusals.
     pub search_rounds: usize,
@@ -124,7 +124,7 @@ impl Default for PlannerSettings {
             linear_speed: 1.0,
             linear_acceleration: 3.0,
             check_step: 0.05,
-            max_attempts: 24,
+            attempts_per_grasp: 8,
             search_attempts: 3,
             search_rounds: 800,
             search_seed: 1,
