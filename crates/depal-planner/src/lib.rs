@@ -37,6 +37,7 @@ mod contact;
 mod grasp;
 mod path;
 mod plan;
+mod planner;
 mod refusal;
 mod request;
 mod search;
@@ -44,7 +45,8 @@ mod suction;
 mod timing;
 mod world;
 
-pub use plan::{Motion, PickPlan, Waypoint, plan_pick};
+pub use plan::{Motion, PickPlan, Waypoint};
+pub use planner::plan_pick;
 pub use refusal::{Obstacle, Refusal, RejectReason, Rejection, Stage, Touch};
 pub use request::{PlaceSpec, PlanRequest, PlannerSettings, SeenBox};
 
