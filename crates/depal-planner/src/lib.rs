@@ -12,7 +12,7 @@
 //!    more sealed area first, then less offset. Only what holds [`PlannerSettings::max_carton_mass`] is kept.
 //! 3. Joints: all branches and turns of the inverse at pick and place, sorted by obstacle-free time.
 //! 4. Path: direct joint move, then turn-while-raised and lift-turn-lower templates, in order of their time;
-//!    checked with padded bodies, corner chords included.
+//!    checked with padded bodies, corner chords included. Where all of them are blocked, a seeded search with two trees.
 //! 5. Certificate: the chosen path once more with true bodies, by bisection on distance until nothing can touch between
 //!    two checked states. It yields [`PickPlan::min_clearance`].
 //!
@@ -28,7 +28,7 @@
 //! assert_eq!(Refusal::NoBoxes.to_string(), "no boxes were seen");
 //! ```
 //!
-//! Limitations: one box at a time; no search beyond the templates; boxes must stand upright (a few degrees of tilt).
+//! Limitations: one box at a time, centred on its sections; boxes must stand upright (a few degrees of tilt).
 
 mod bodies;
 mod candidate;
@@ -37,13 +37,16 @@ mod contact;
 mod grasp;
 mod path;
 mod plan;
+mod planner;
 mod refusal;
 mod request;
+mod search;
 mod suction;
 mod timing;
 mod world;
 
-pub use plan::{Motion, PickPlan, Waypoint, plan_pick};
+pub use plan::{Motion, PickPlan, Waypoint};
+pub use planner::plan_pick;
 pub use refusal::{Obstacle, Refusal, RejectReason, Rejection, Stage, Touch};
 pub use request::{PlaceSpec, PlanRequest, PlannerSettings, SeenBox};
 

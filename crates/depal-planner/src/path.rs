@@ -137,7 +137,7 @@ fn mixed(from: &JointPositions, to: &JointPositions, turn: f64, bend: f64) -> Jo
 }
 
 /// The same heading with axes 2 and 3 at a drawn-in posture; none when the wrist is not in line with the arm.
-fn drawn_in(at: &JointPositions, second: f64, third: f64) -> Option<JointPositions> {
+pub(crate) fn drawn_in(at: &JointPositions, second: f64, third: f64) -> Option<JointPositions> {
     use std::f64::consts::PI;
     let turns = at[3] / PI;
     let half_turns = turns.round();
@@ -199,14 +199,7 @@ pub(crate) fn touch_on_way(
 ) -> Result<(), Blocked> {
     let robot = check.robot;
     let tool = |q: &JointPositions| robot.arm.base_from_flange(q) * robot.gripper.flange_from_tcp;
-    let leans = |q: &JointPositions| {
-        upright.is_some_and(|limit| (tool(q).rotation * -Vector::z()).z < limit.cos())
-    };
-    let test = |q: &JointPositions| match check.touch(q) {
-        _ if leans(q) => Err(Blocked::Leans),
-        Some(touch) => Err(Blocked::Touches(touch)),
-        None => Ok(()),
-    };
+    let test = |q: &JointPositions| test_state(check, q, upright);
     way.iter().skip(1).try_for_each(test)?;
     for at in way.windows(3) {
         let corner = corner_states(tool, &at[0], &at[1], &at[2], settings.corner_zone);
@@ -215,4 +208,32 @@ pub(crate) fn touch_on_way(
     way.windows(2)
         .flat_map(|w| between(&w[0], &w[1], settings.check_step))
         .try_for_each(|q| test(&q))
+}
+
+fn test_state(check: &Check, joints: &JointPositions, upright: Option<f64>) -> Result<(), Blocked> {
+    if let Some(limit) = upright {
+        let robot = check.robot;
+        let tool = robot.arm.base_from_flange(joints) * robot.gripper.flange_from_tcp;
+        if (tool.rotation * -Vector::z()).z < limit.cos() {
+            return Err(Blocked::Leans);
+        }
+    }
+    match check.touch(joints) {
+        Some(touch) => Err(Blocked::Touches(touch)),
+        None => Ok(()),
+    }
+}
+
+/// Whether the straight joint move between two states is free, its far end included.
+pub(crate) fn edge_is_free(
+    check: &Check,
+    from: &JointPositions,
+    to: &JointPositions,
+    upright: Option<f64>,
+    settings: &PlannerSettings,
+) -> bool {
+    test_state(check, to, upright).is_ok()
+        && between(from, to, settings.check_step)
+            .iter()
+            .all(|q| test_state(check, q, upright).is_ok())
 }

@@ -34,6 +34,7 @@ pub struct PlanRequest<'a> {
     /// Floor, conveyor, pallet, fence, posts.
     pub known_obstacles: &'a [PlacedShape],
     /// Leftover depth points that no box explains, thinned to about [`PlannerSettings::point_size`].
+    /// Points within [`PlannerSettings::stack_tolerance`] of a box or below its top are taken to be part of it.
     pub obstacle_points: &'a [Point],
     /// Where the arm is now, rad.
     pub start: JointPositions,
@@ -89,8 +90,14 @@ pub struct PlannerSettings {
     pub linear_acceleration: f64,
     /// Step of the padded path check, rad (Euclidean over all joints).
     pub check_step: f64,
-    /// Combinations of grasp, branch, turn and yaw tried for one box before it is given up.
-    pub max_attempts: usize,
+    /// Combinations of branch, turn and yaw tried for one grasp (and those equally good) before the next worse one.
+    pub attempts_per_grasp: usize,
+    /// Of all attempts, the first so many may use the random search when every template is blocked; 0 turns it off.
+    pub search_attempts: usize,
+    /// Growth steps of one search. Raising it finds narrower ways and delays refusals.
+    pub search_rounds: usize,
+    /// Seed of the search.
+    pub search_seed: u64,
 }
 
 impl Default for PlannerSettings {
@@ -117,7 +124,10 @@ impl Default for PlannerSettings {
             linear_speed: 1.0,
             linear_acceleration: 3.0,
             check_step: 0.05,
-            max_attempts: 24,
+            attempts_per_grasp: 8,
+            search_attempts: 3,
+            search_rounds: 800,
+            search_seed: 1,
         }
     }
 }

@@ -8,7 +8,10 @@ use parry3d::{
     shape::SharedShape,
 };
 
-use crate::{refusal::Obstacle, request::PlanRequest};
+use crate::{
+    refusal::Obstacle,
+    request::{PlanRequest, SeenBox},
+};
 
 /// A shape of the collision library and where it sits on its parent.
 ///
@@ -41,6 +44,14 @@ pub(crate) fn solid(placed: &PlacedShape, padding: f64) -> (Pose32, SharedShape)
         ),
         Shape::Sphere { radius } => (turned(upright), SharedShape::ball(*radius as f32 + pad)),
     }
+}
+
+/// Whether a point lies in a seen box grown by `tolerance`, or in the unseen column below it.
+fn belongs_to(point: &Point, seen: &SeenBox, tolerance: f64) -> bool {
+    let in_box = seen.base_from_box.inverse() * point;
+    in_box.x.abs() <= seen.size.length * 0.5 + tolerance
+        && in_box.y.abs() <= seen.size.width * 0.5 + tolerance
+        && in_box.z <= tolerance
 }
 
 struct Solid {
@@ -88,6 +99,14 @@ impl World {
         }
         let side = request.settings.point_size;
         for point in request.obstacle_points {
+            // Rims, tape and noise of a box go where the box goes; it is an obstacle itself.
+            if request
+                .boxes
+                .iter()
+                .any(|b| belongs_to(point, b, request.settings.stack_tolerance))
+            {
+                continue;
+            }
             let cube = PlacedShape::cuboid(
                 Pose::from_parts(Translation3::from(point.coords), Rotation::identity()),
                 Vector::new(side, side, side),
