@@ -69,13 +69,14 @@ MODULE MainModule
         MM_Get_DoList 0;
         StorePath;
         IF PickOne() THEN
-          nRetries:=0;
-          PlaceOne;
-          nMoved:=nMoved+1;
+          IF PlaceOne() THEN
+            nRetries:=0;
+            nMoved:=nMoved+1;
+          ELSE
+            CountFailure "Carton lost on the way, attempt ";
+          ENDIF
         ELSE
-          nRetries:=nRetries+1;
-          TPWrite "No vacuum, attempt "\Num:=nRetries;
-          IF nRetries>nMaxRetries Refused "too many failed picks, status ";
+          CountFailure "No vacuum, attempt ";
           GiveUpPick;
           MM_Start_Viz 2,jHome;
         ENDIF
@@ -117,15 +118,24 @@ MODULE MainModule
     RETURN NOT bTimeout;
   ENDFUNC
 
+  ! One more failed pick in a row; too many are a case for a person.
+  PROC CountFailure(string sText)
+    nRetries:=nRetries+1;
+    TPWrite sText\Num:=nRetries;
+    IF nRetries>nMaxRetries Refused "too many failed picks, status ";
+  ENDPROC
+
   ! Carries the carton to the last waypoint, releases it, and lets the vision
-  ! system work on the next round meanwhile.
-  PROC PlaceOne()
+  ! system work on the next round meanwhile. FALSE if the carton was lost.
+  FUNC bool PlaceOne()
     VAR robtarget pPlace;
+    VAR bool bHeld;
 
     AccSet nAccLoaded,nAccLoaded;
     FOR i FROM nVis+1 TO nWay DO
       Go i;
     ENDFOR
+    bHeld:=diVacuumOk=1;
     AccSet nAccEmpty,nAccEmpty;
     SetGO goVacuum,0;
     MM_Start_Viz 2,jHome;
@@ -133,7 +143,8 @@ MODULE MainModule
     pPlace:=CalcRobT(jWay{nWay},tGripper\WObj:=wobj0);
     MoveL Offs(pPlace,0,0,nRetreat),Speed(50),zNear,tGripper\WObj:=wobj0;
     MoveAbsJ jHome\NoEOffs,Speed(100),zFree,tGripper\WObj:=wobj0;
-  ENDPROC
+    RETURN bHeld;
+  ENDFUNC
 
   ! Releases and goes back by the way it came.
   PROC GiveUpPick()

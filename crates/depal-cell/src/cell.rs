@@ -82,6 +82,7 @@ pub struct Cell {
     pending: Vec<EventKind>,
     program_end: Option<(SimTime, EndState, String)>,
     last_valves: Vec<bool>,
+    last_message: String,
 }
 
 impl Cell {
@@ -125,6 +126,7 @@ impl Cell {
             pending: Vec::new(),
             program_end: None,
             last_valves: vec![false; spec.gripper.sections.len()],
+            last_message: String::new(),
             world,
             spec,
         };
@@ -166,6 +168,7 @@ impl Cell {
         let mut closing = Vec::new();
         self.picks.conclude(self.now, &mut self.score, &mut closing);
         self.score.run_failure = self.run_failure(end, &end_detail);
+        self.digest_state();
         closing.push(EventKind::RunEnded {
             state: end.name(),
             detail: end_detail.clone(),
@@ -260,6 +263,22 @@ impl Cell {
         }
     }
 
+    /// Adds bodies, arm, gripper and score to the running digest.
+    fn digest_state(&mut self) {
+        self.digest.add(self.world.state_hash());
+        for joint in self.controller.commanded_joints().iter() {
+            self.digest.add(joint.to_bits());
+        }
+        for section in 0..self.spec.gripper.sections.len() {
+            let vacuum = self
+                .world
+                .gripper()
+                .map_or(0.0, |g| g.section_vacuum(section));
+            self.digest.add(vacuum.to_bits());
+        }
+        self.digest.add(self.score.picks.len() as u64);
+    }
+
     fn score_tick(&mut self, valves: &[bool], world_events: &[WorldEvent]) {
         let vacuum_ok = self
             .world
@@ -310,7 +329,10 @@ impl Cell {
                     module: location.module,
                     line: location.line,
                 },
-                ControllerEvent::Log { text, .. } => EventKind::Message { text },
+                ControllerEvent::Log { text, .. } => {
+                    self.last_message.clone_from(&text);
+                    EventKind::Message { text }
+                }
                 ControllerEvent::MotionStopped { reason, .. } => EventKind::Message {
                     text: format!("motion stopped: {reason}"),
                 },
@@ -328,7 +350,17 @@ impl Cell {
                 ControllerState::Finished => {
                     Some((EndState::Finished, "the program came to its end".to_owned()))
                 }
-                ControllerState::Stopped(reason) => Some((EndState::Stopped, reason.clone())),
+                ControllerState::Stopped(reason) => {
+                    let at = self.controller.location().unwrap_or_default();
+                    let said = match self.last_message.as_str() {
+                        "" => String::new(),
+                        said => format!("; its last message: {said}"),
+                    };
+                    Some((
+                        EndState::Stopped,
+                        format!("{reason} at {}/{}:{}{said}", at.module, at.routine, at.line),
+                    ))
+                }
                 ControllerState::Failed(error) => {
                     let place = error.call_stack.first().map_or(String::new(), |at| {
                         format!("{}/{}:{}: ", at.module, at.routine, at.line)
@@ -372,9 +404,13 @@ impl Cell {
         let reason = match end {
             EndState::TimeLimit => FailureReason::Timeout,
             _ if self.picks.collided() && end != EndState::Finished => FailureReason::Collision,
+            // A program that gives up after failed picks ended for their reason, not for one of its own.
             EndState::Failed | EndState::Stopped => self
-                .vision
-                .dialogue_failure()
+                .score
+                .picks
+                .last()
+                .and_then(|(_, reason)| *reason)
+                .or_else(|| self.vision.dialogue_failure())
                 .unwrap_or(FailureReason::ProgramError),
             EndState::Finished if left == 0 => return None,
             EndState::Finished => self

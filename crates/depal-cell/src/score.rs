@@ -143,17 +143,14 @@ impl Score {
         self.fates.values().filter(|fate| wanted(**fate)).count()
     }
 
-    /// Failed picks by reason, plus what ended the run early (counted once).
+    /// Failed picks by reason, plus what ended the run early, once, unless a failed pick stands for it already.
     pub fn failures_by_reason(&self) -> BTreeMap<FailureReason, u64> {
         let mut by_reason = BTreeMap::new();
-        let run = self.run_failure.as_ref().map(|(reason, _)| *reason);
-        for reason in self
-            .picks
-            .iter()
-            .filter_map(|(_, reason)| *reason)
-            .chain(run)
-        {
+        for reason in self.picks.iter().filter_map(|(_, reason)| *reason) {
             *by_reason.entry(reason).or_insert(0) += 1;
+        }
+        if let Some((reason, _)) = &self.run_failure {
+            by_reason.entry(*reason).or_insert(1);
         }
         by_reason
     }

@@ -34,7 +34,9 @@ pub fn check(files: &[PathBuf]) -> Result<(), Failure> {
             Ok(summary) => println!("{}: {summary}", path.display()),
             Err(messages) => {
                 errors += messages.len();
-                messages.iter().for_each(|message| eprintln!("error: {message}"));
+                messages
+                    .iter()
+                    .for_each(|message| eprintln!("error: {message}"));
             }
         }
     }
@@ -56,8 +58,13 @@ fn extension(path: &Path) -> String {
 
 /// A scene with everything that it names: arm, program, planning project.
 fn check_scene(path: &Path) -> Result<String, Vec<String>> {
-    let scene = Scene::load_file(&path.to_string_lossy(), &[], None)
-        .map_err(|errors| errors.problems.iter().map(ToString::to_string).collect::<Vec<_>>())?;
+    let scene = Scene::load_file(&path.to_string_lossy(), &[], None).map_err(|errors| {
+        errors
+            .problems
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
+    })?;
     let built = scene
         .build()
         .map_err(|error| vec![format!("{}: {}", path.display(), explain(&error))])?;

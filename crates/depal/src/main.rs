@@ -15,7 +15,6 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-
 /// A robot cell: cartons on a pallet, an arm with a vacuum gripper, a depth camera, a vision system
 /// that speaks the standard interface, and the robot's own program. Headless and repeatable.
 ///

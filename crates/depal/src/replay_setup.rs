@@ -19,7 +19,11 @@ pub fn recording_setup(spec: &CellSpec) -> RecordingSetup {
         })
         .collect();
     for conveyor in &spec.world.conveyors {
-        fixed.push((conveyor.name.clone(), vec![conveyor.belt.clone()], [60, 66, 74]));
+        fixed.push((
+            conveyor.name.clone(),
+            vec![conveyor.belt.clone()],
+            [60, 66, 74],
+        ));
     }
     RecordingSetup {
         title: format!("{} seed {}", spec.scene, spec.seed),

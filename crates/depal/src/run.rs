@@ -40,7 +40,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
 
 fn run_scene(args: &RunArgs) -> Result<PathBuf, Failure> {
     let scene = load_scene(args)?;
-    let built = scene.build().map_err(|error| Failure::Input(explain(&error)))?;
+    let built = scene
+        .build()
+        .map_err(|error| Failure::Input(explain(&error)))?;
     for warning in &built.warnings {
         eprintln!("{}", draw(warning, &built.sources));
     }
@@ -146,7 +148,7 @@ fn accept_limits(scene: &Scene) -> AcceptLimits {
 fn print_summary(report: &Report, outcome: &RunOutcome, folder: &Path) {
     eprint!("{}", summary(report));
     if let Some((reason, detail)) = &outcome.score.run_failure {
-        eprintln!("ended early  {}: {detail}", reason.name());
+        eprintln!("gave up      {}: {detail}", reason.name());
     }
     eprintln!("results      {}", folder.display());
 }

@@ -8,7 +8,11 @@ use depal_scene::Scene;
 /// Counts and samples of a run.
 pub fn totals(scene: &Scene, outcome: &RunOutcome, wall_time_s: f64) -> RunTotals {
     let score = &outcome.score;
-    let succeeded = score.picks.iter().filter(|(_, reason)| reason.is_none()).count();
+    let succeeded = score
+        .picks
+        .iter()
+        .filter(|(_, reason)| reason.is_none())
+        .count();
     RunTotals {
         scene: scene.name.clone(),
         seed: scene.seed,
@@ -38,7 +42,15 @@ pub fn totals(scene: &Scene, outcome: &RunOutcome, wall_time_s: f64) -> RunTotal
         vision_ms: score.vision_ms.clone(),
         planning_ms: score.planning_ms.clone(),
         min_clearance_mm: score.min_clearance_mm,
-        commands: score.commands.iter().map(|(code, n)| (*code as u32, *n)).collect(),
-        statuses: score.statuses.iter().map(|(code, n)| (*code as u32, *n)).collect(),
+        commands: score
+            .commands
+            .iter()
+            .map(|(code, n)| (*code as u32, *n))
+            .collect(),
+        statuses: score
+            .statuses
+            .iter()
+            .map(|(code, n)| (*code as u32, *n))
+            .collect(),
     }
 }
