@@ -1,7 +1,8 @@
 //! The projects that a vision server has been given.
 
+use crate::choice::{choice, one_of};
 use crate::reader::{Checker, section};
-use crate::rules::{LENGTH_MM, ListOf, Numbers, OneOrMore, Text, choice, one_of, table, whole};
+use crate::rules::{LENGTH_MM, ListOf, Numbers, OneOrMore, Text, table, whole};
 
 choice! {
     /// What a vision project answers with.
