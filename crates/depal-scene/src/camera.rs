@@ -3,10 +3,10 @@
 use depal_frames::nalgebra::{Matrix3, Rotation3, Translation3};
 use depal_frames::{Pose, Rotation, Vector};
 
+use crate::choice::{choice, one_of};
 use crate::reader::{Checker, section};
 use crate::rules::{
-    ANGLE_DEG, COORDINATE_MM, Flag, LENGTH_MM, Maybe, Numbers, Text, above, choice, number, one_of,
-    whole,
+    ANGLE_DEG, COORDINATE_MM, Flag, LENGTH_MM, Maybe, Numbers, Text, above, number, whole,
 };
 
 choice! {

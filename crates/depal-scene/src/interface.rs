@@ -1,7 +1,8 @@
 //! The robot-facing interface of the vision server, and how long things take on the way.
 
+use crate::choice::{choice, one_of};
 use crate::reader::section;
-use crate::rules::{choice, number, one_of, whole};
+use crate::rules::{number, whole};
 
 choice! {
     /// How the server writes and reads cells on the wire.

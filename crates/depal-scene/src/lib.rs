@@ -24,6 +24,7 @@
 
 mod build;
 mod camera;
+mod choice;
 mod document;
 mod embedded;
 mod error;
@@ -38,6 +39,7 @@ mod rules;
 mod run;
 mod scene;
 mod stack;
+mod text_file;
 mod vision;
 mod viz;
 
@@ -49,10 +51,11 @@ pub use gripper::{Gripper, GripperSection};
 pub use interface::{Interface, InterfaceProfile, Latency, RobotBrand, WireEncoding};
 pub use layout::{CartonPlacement, carton_layout};
 pub use robot::{Robot, Signal, SignalKind};
-pub use rules::{Span, TextFile};
+pub use rules::Span;
 pub use run::{Accept, Planner, Run};
 pub use scene::{Scene, json_schema};
 pub use stack::{Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize};
+pub use text_file::TextFile;
 pub use vision::{ProjectOutput, Recipe, Vision, VisionProject};
 pub use viz::{
     BranchByMsg, ExternalMove, FixedPointMove, MoveByList, MoveFrame, Notify, PalletPattern,

@@ -1,10 +1,11 @@
 //! The arm, its cabinet and the program that it runs.
 
+use crate::choice::{choice, one_of};
 use crate::reader::{Checker, section};
 use crate::rules::{
-    ANGLE_DEG, COORDINATE_MM, File, ListOf, Numbers, OneOrMore, Text, TextFile, above, choice,
-    number, one_of, table, whole,
+    ANGLE_DEG, COORDINATE_MM, ListOf, Numbers, OneOrMore, Text, above, number, table, whole,
 };
+use crate::text_file::{File, TextFile};
 
 choice! {
     /// Kind of a signal, named as in the cabinet.

@@ -6,8 +6,7 @@ use serde::Serialize;
 use serde_json::{Value as Json, json};
 
 use crate::document::{Node, Value};
-use crate::files::beside;
-use crate::reader::{Reader, Rule, Section, nearest};
+use crate::reader::{Reader, Rule, Section};
 
 /// A finite number within limits.
 #[derive(Debug, Clone, Copy)]
@@ -251,7 +250,7 @@ impl<const N: usize> Rule for Wholes<N> {
 pub(crate) struct Text;
 
 /// The text of a node; an override's value counts as text however it looks.
-fn text_of(node: &Node, reader: &Reader<'_>) -> Option<String> {
+pub(crate) fn text_of(node: &Node, reader: &Reader<'_>) -> Option<String> {
     match (
         &node.value,
         &reader.sources[node.place.source].override_value,
@@ -296,78 +295,6 @@ impl Rule for Flag {
         json!({"type": "boolean"})
     }
 }
-
-/// An enum that is written as one of a few words.
-pub(crate) trait Choice: Sized + Copy + 'static {
-    /// Word and value, in the order of the documentation.
-    const WORDS: &'static [(&'static str, Self)];
-}
-
-/// One of the words of a [`Choice`].
-pub(crate) struct OneOf<C>(PhantomData<C>);
-
-/// One of the words of a [`Choice`].
-pub(crate) const fn one_of<C>() -> OneOf<C> {
-    OneOf(PhantomData)
-}
-
-impl<C: Choice> Rule for OneOf<C> {
-    type Output = C;
-
-    fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<C> {
-        let text = text_of(node, reader);
-        let found = text
-            .as_deref()
-            .and_then(|text| C::WORDS.iter().find(|(word, _)| *word == text));
-        if let Some((_, value)) = found {
-            return Some(*value);
-        }
-        let words: Vec<&str> = C::WORDS.iter().map(|(word, _)| *word).collect();
-        let message = format!(
-            "expected one of {}, found {}",
-            words.join(", "),
-            node.described()
-        );
-        let hint = text
-            .map(|text| nearest(&text, &words))
-            .filter(|hint| hint.starts_with("did"));
-        reader.problem(&node.place, key, message, hint);
-        None
-    }
-
-    fn schema(&self) -> Json {
-        let words: Vec<&str> = C::WORDS.iter().map(|(word, _)| *word).collect();
-        json!({"type": "string", "enum": words})
-    }
-}
-
-/// Declares an enum and its words.
-macro_rules! choice {
-    (
-        $(#[doc = $doc:literal])*
-        pub enum $Name:ident {
-            $( $(#[doc = $variant_doc:literal])* $Variant:ident = $word:literal, )*
-        }
-    ) => {
-        $(#[doc = $doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-        pub enum $Name {
-            $( $(#[doc = $variant_doc])* #[serde(rename = $word)] $Variant, )*
-        }
-
-        impl $Name {
-            /// The word in a scene file.
-            pub fn word(self) -> &'static str {
-                match self { $( Self::$Variant => $word, )* }
-            }
-        }
-
-        impl $crate::rules::Choice for $Name {
-            const WORDS: &'static [(&'static str, Self)] = &[$( ($word, Self::$Variant), )*];
-        }
-    };
-}
-pub(crate) use choice;
 
 /// A list of `low..=high` values of one rule.
 pub(crate) struct ListOf<R>(pub(crate) R, pub(crate) usize, pub(crate) usize);
@@ -433,51 +360,6 @@ impl<S: Section> Rule for TableOf<S> {
 
     fn schema(&self) -> Json {
         S::schema()
-    }
-}
-
-/// A text file that a scene names, already read.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TextFile {
-    /// Where it was read from: relative to the working directory, or `embedded:PATH`.
-    pub path: String,
-    /// Its whole text.
-    pub text: String,
-}
-
-impl Serialize for TextFile {
-    /// Only the path: the text is not a part of the scene.
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.path.serialize(serializer)
-    }
-}
-
-/// The path of a text file: beside the scene file, or from the working directory in an override.
-pub(crate) struct File;
-
-impl Rule for File {
-    type Output = TextFile;
-
-    fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<TextFile> {
-        let written = Text.read(node, key, reader)?;
-        let source = &reader.sources[node.place.source];
-        let path = if source.override_value.is_some() {
-            written
-        } else {
-            beside(&source.name, &written)
-        };
-        match (reader.resolver)(&path) {
-            Ok(text) => Some(TextFile { path, text }),
-            Err(error) => {
-                let message = format!("cannot read {path}: {error}");
-                reader.problem(&node.place, key, message, None);
-                None
-            }
-        }
-    }
-
-    fn schema(&self) -> Json {
-        Text.schema()
     }
 }
 

@@ -1,10 +1,10 @@
 //! What stands on the floor: the pallet, the cartons on it and how untidy they are.
 
+use crate::choice::{choice, one_of};
 use crate::reader::{Checker, section};
 use crate::rules::above;
 use crate::rules::{
-    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, Maybe, Number, Numbers, Span, SpanOf, choice, number,
-    one_of, table, whole,
+    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, Maybe, Number, Numbers, Span, SpanOf, number, table, whole,
 };
 
 /// Friction from ice to rubber.

@@ -1,8 +1,9 @@
 //! The projects that a vision server has been given.
 
+use crate::choice::{choice, one_of};
 use crate::reader::{Checker, section};
 use crate::rules::{
-    COORDINATE_MM, LENGTH_MM, ListOf, Maybe, Numbers, OneOrMore, Text, choice, one_of, table, whole,
+    COORDINATE_MM, LENGTH_MM, ListOf, Maybe, Numbers, OneOrMore, Text, table, whole,
 };
 
 choice! {

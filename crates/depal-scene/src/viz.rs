@@ -2,11 +2,10 @@
 
 use serde_json::{Map, Value as Json, json};
 
+use crate::choice::{choice, one_of};
 use crate::document::{Node, Place, Table, Value};
 use crate::reader::{Checker, Reader, Rule, Section, join, nearest, section};
-use crate::rules::{
-    ANGLE_DEG, COORDINATE_MM, Flag, ListOf, Numbers, Text, choice, number, one_of, whole,
-};
+use crate::rules::{ANGLE_DEG, COORDINATE_MM, Flag, ListOf, Numbers, Text, number, whole};
 
 choice! {
     /// How picks are chosen.

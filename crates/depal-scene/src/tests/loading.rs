@@ -177,6 +177,8 @@ fn deep_nesting_is_refused_without_harm() {
     assert!(load(&deep, &[]).is_err());
     assert!(load(DEMO, &[(&"a.".repeat(500), "1")]).is_err());
     assert!(load(&"[a.b]\n".repeat(200), &[]).is_err());
+    assert!(load(&format!("{}a = 1", "a.".repeat(50_000)), &[]).is_err());
+    assert!(load(&format!("[{}a]", "a.".repeat(50_000)), &[]).is_err());
 }
 
 /// Lines of the demo with one piece cut out, doubled or replaced.
