@@ -26,7 +26,7 @@ const ROWS: [&[&str]; 6] = [
         "depal-interface",
     ],
     &["depal-cell"],
-    &["depal-scene", "depal-record", "depal-report"],
+    &["depal-scene", "depal-record", "depal-report", "depal-net"],
     &["depal"],
 ];
 

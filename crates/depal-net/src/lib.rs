@@ -1,0 +1,1 @@
+//! Real sockets: the vision server for real robots, and sockets for robot programs, paced against the wall clock.
