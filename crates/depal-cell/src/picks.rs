@@ -57,13 +57,14 @@ impl PickKeeper {
             pick.vacuum_reached = true;
             events.push(EventKind::VacuumReached { pick: pick.number });
         }
-        if !on && self.valves_on {
+        let released = !on && self.valves_on;
+        self.valves_on = on;
+        if released {
             self.released_at = Some(now);
             if score.open_pick().is_some_and(|pick| pick.held.is_none()) {
                 self.conclude(now, score, events);
             }
         }
-        self.valves_on = on;
         self.vacuum_ok = vacuum_ok;
         if let Some(released_at) = self.released_at {
             let on_belt = score
@@ -89,6 +90,10 @@ impl PickKeeper {
         };
         let otherwise = match pick.held {
             Some(carton) if self.touched_belt.contains(&carton) => None,
+            Some(carton) if self.valves_on => Some((
+                FailureReason::Timeout,
+                format!("the run ended while carton {carton} was held"),
+            )),
             Some(carton) => Some((
                 FailureReason::PlaceMissed,
                 format!("carton {carton} was released but did not reach the belt"),

@@ -10,6 +10,7 @@ use rerun::blueprint::{
 pub(crate) fn blueprint() -> Blueprint {
     let cell = Spatial3DView::new("Cell").with_origin("/").with_contents([
         "+ /world/**",
+        "- /world/camera/image/**",
         "+ /vision/estimates",
         "+ /vision/truth",
         "+ /plan/**",

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use depal_cell::event::{Event, EventKind};
+use depal_cell::event::{Event, EventKind, FailureReason};
 use depal_cell::observer::{CaptureView, CartonViewState, Observer, Snapshot};
 use depal_frames::{Intrinsics, JointPositions, PlacedShape, Pose};
 use depal_time::SimTime;
@@ -282,6 +282,11 @@ impl Recording {
                         format!("pick {pick} ok, {cycle_s:.2} s"),
                     )?;
                 }
+                // Nothing failed where the arm happens to be: no marker.
+                Some(FailureReason::Timeout) => {
+                    let text = format!("pick {pick}: {detail}");
+                    say(&self.stream, TextLogLevel::WARN, text)?;
+                }
                 Some(reason) => self.log_failure(&format!("pick_{pick}"), reason.name(), detail)?,
             },
             EventKind::Lost {
@@ -410,7 +415,9 @@ impl Recording {
             &EncodedDepthImage::new(image)
                 .with_media_type("image/png")
                 .with_meter(1e4)
-                .with_depth_range([1.8, 3.8]),
+                .with_colormap(rerun::components::Colormap::Turbo)
+                // In stored units, as the meter says: the usual span from a full stack to the floor.
+                .with_depth_range([1.8e4, 3.8e4]),
         )?;
         let mut points = Vec::new();
         let mut colors = Vec::new();

@@ -1,6 +1,7 @@
 //! What a recording draws once: the parts of the cell that do not change.
 
 use depal_cell::spec::CellSpec;
+use depal_frames::{PlacedShape, Pose, Vector};
 use depal_record::RecordingSetup;
 
 /// The still parts of a cell, with their colours.
@@ -15,7 +16,12 @@ pub fn recording_setup(spec: &CellSpec) -> RecordingSetup {
                 "pallet" => [150, 120, 80],
                 _ => [90, 95, 105],
             };
-            (body.name.replace(' ', "_"), body.shapes.clone(), color)
+            let shapes = if body.is_floor {
+                vec![floor_patch()]
+            } else {
+                body.shapes.clone()
+            };
+            (body.name.replace(' ', "_"), shapes, color)
         })
         .collect();
     for conveyor in &spec.world.conveyors {
@@ -51,4 +57,12 @@ pub fn recording_setup(spec: &CellSpec) -> RecordingSetup {
         intrinsics: spec.camera.intrinsics,
         world_from_camera: spec.world_from_camera,
     }
+}
+
+/// A patch of floor that frames the cell: the whole floor would make everything else small.
+fn floor_patch() -> PlacedShape {
+    PlacedShape::cuboid(
+        Pose::translation(0.6, 0.6, -0.01),
+        Vector::new(4.4, 4.4, 0.02),
+    )
 }
