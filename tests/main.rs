@@ -1,3 +1,7 @@
 //! One test binary: what only the whole house can show.
 
+mod counterfactuals;
+mod determinism;
+mod runner;
+mod scenes;
 mod tidy;

@@ -348,7 +348,7 @@ impl VisionSide {
                     self.hand_over(now, spec, owner, picture, score, events);
                 }
                 Work::Path { job_id, planned } => {
-                    if !self.viz.as_ref().is_some_and(|run| run.job_id == job_id) {
+                    if self.viz.as_ref().is_none_or(|run| run.job_id != job_id) {
                         continue;
                     }
                     let outcome = match planned {
@@ -360,7 +360,7 @@ impl VisionSide {
                         }
                         Planned::Refused { status, reason } => {
                             self.last_failure = Some(reason);
-                            Err(i32::from(status.code()))
+                            Err(status.code())
                         }
                     };
                     let ask = self.engine.planned(outcome);
@@ -405,9 +405,9 @@ impl VisionSide {
                 };
                 run.picture = Some(picture);
                 let outcome = if is_blind {
-                    Err(i32::from(Status::VizNoPointsInRegion.code()))
+                    Err(Status::VizNoPointsInRegion.code())
                 } else if is_empty {
-                    Err(i32::from(Status::VizNoVisionResult.code()))
+                    Err(Status::VizNoVisionResult.code())
                 } else {
                     Ok(())
                 };

@@ -21,6 +21,7 @@
 //! Limitations: one run; comparing runs is not done here.
 
 mod accept;
+mod from_run;
 mod report;
 mod statistics;
 mod summary;

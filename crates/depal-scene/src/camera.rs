@@ -66,6 +66,9 @@ section! {
         /// Farthest distance along Z that is measured, mm.
         /// Default 5000: the floor below a camera at 3.7 m.
         far_mm: f64, LENGTH_MM, default(5000.0);
+        /// How far the camera really hangs from where calibration says, along the world's axes, mm.
+        /// Default [0, 0, 0]; a wrong one shows what a bad calibration costs.
+        mounting_error_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), default([0.0; 3]);
         /// The lens is covered: every picture is empty.
         /// Default false; for tests of what happens when nothing is seen.
         blackout: bool, Flag, default(false);

@@ -34,9 +34,9 @@ pub fn check(files: &[PathBuf]) -> Result<(), Failure> {
             Ok(summary) => println!("{}: {summary}", path.display()),
             Err(messages) => {
                 errors += messages.len();
-                messages
-                    .iter()
-                    .for_each(|message| eprintln!("error: {message}"));
+                for message in messages {
+                    eprintln!("error: {message}");
+                }
             }
         }
     }

@@ -8,7 +8,6 @@ mod progress;
 mod replay;
 mod replay_setup;
 mod run;
-mod totals;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -43,7 +43,7 @@ impl Progress {
         if let Some(bar) = &self.bar {
             bar.set_position(placed as u64);
             bar.set_message(text);
-        } else if seconds.round() as u64 % 60 == 0 {
+        } else if (seconds.round() as u64).is_multiple_of(60) {
             eprintln!("{placed}/{} cartons, {text}", self.total);
         }
     }

@@ -7,7 +7,7 @@ use std::time::Instant;
 use depal_cell::cell::{Cell, EndState, RunOutcome};
 use depal_cell::observer::Observer;
 use depal_record::{JsonLines, Recording};
-use depal_report::{AcceptLimits, Report, summary};
+use depal_report::{AcceptLimits, Report, RunTotals, summary};
 use depal_scene::{BuildError, Scene};
 use depal_vm::Severity;
 
@@ -17,7 +17,6 @@ use crate::failure::Failure;
 use crate::output::OutFolder;
 use crate::progress::Progress;
 use crate::replay_setup::recording_setup;
-use crate::totals::totals;
 
 /// The demo: the built-in scene with everything left as it is, and what to try next.
 pub fn demo() -> Result<(), Failure> {
@@ -79,7 +78,10 @@ fn run_scene(args: &RunArgs) -> Result<PathBuf, Failure> {
     }
 
     let wall_time = wall_seconds() - started;
-    let report = Report::new(&totals(&scene, &outcome, wall_time), &limits);
+    let report = Report::new(
+        &RunTotals::of(&scene.name, scene.seed, &outcome, wall_time),
+        &limits,
+    );
     folder.write("report.json", &report.to_json())?;
     if args.json {
         println!("{}", report.to_json());

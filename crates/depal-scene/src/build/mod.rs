@@ -134,8 +134,10 @@ impl Scene {
 
         let world_from_base = solids::pose_mm_yaw(robot.base_xyz_mm, robot.base_yaw_deg);
         let base_from_world = world_from_base.inverse();
-        let world_from_camera = self.camera.world_from_camera();
-        let base_from_camera = base_from_world * world_from_camera;
+        let calibrated = self.camera.world_from_camera();
+        let base_from_camera = base_from_world * calibrated;
+        let world_from_camera =
+            solids::pose_mm_yaw(self.camera.mounting_error_mm, 0.0) * calibrated;
         let to_base = |shape: &PlacedShape| shape.moved(&base_from_world);
         Ok(CellSpec {
             scene: self.name.clone(),

@@ -60,9 +60,10 @@ pub(super) fn projects(
 
 /// Where a project looks for cartons: its own region, or the air above the pallet.
 fn region(scene: &Scene, project: &SceneProject, camera_from_world: &Pose) -> RegionOfInterest {
-    let (world_from_region, size) = match (project.region_xyz_mm, project.region_size_mm) {
-        (Some(centre), Some(size)) => (solids::pose_mm_yaw(centre, 0.0), Vector::from(size) * 1e-3),
-        _ => {
+    let (world_from_region, size) =
+        if let (Some(centre), Some(size)) = (project.region_xyz_mm, project.region_size_mm) {
+            (solids::pose_mm_yaw(centre, 0.0), Vector::from(size) * 1e-3)
+        } else {
             let pallet = &scene.pallet;
             let deck = pallet.size_mm[2] * 1e-3;
             let size = Vector::new(
@@ -70,14 +71,10 @@ fn region(scene: &Scene, project: &SceneProject, camera_from_world: &Pose) -> Re
                 pallet.size_mm[1] * 1e-3 + 2.0 * REGION_MARGIN,
                 REGION_ABOVE + REGION_BELOW,
             );
-            let middle = deck - REGION_BELOW + 0.5 * size.z;
+            let middle = Pose::translation(0.0, 0.0, deck - REGION_BELOW + 0.5 * size.z);
             let world_from_pallet = solids::pose_mm_yaw(pallet.xyz_mm, pallet.yaw_deg);
-            (
-                world_from_pallet * Pose::translation(0.0, 0.0, middle),
-                size,
-            )
-        }
-    };
+            (world_from_pallet * middle, size)
+        };
     RegionOfInterest {
         camera_from_region: camera_from_world * world_from_region,
         half_extents: size * 0.5,

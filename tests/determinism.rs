@@ -1,0 +1,45 @@
+//! Same scene, seed and binary: the same bytes, for any number of threads.
+
+use crate::runner::{Finished, run_demo};
+
+/// Long enough for three picks, their pictures, plans and drops onto the belt.
+const SHORT: &[(&str, &str)] = &[("run.max_sim_s", "24")];
+
+fn on_threads(threads: usize, seed: u64) -> Finished {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .expect("a thread pool")
+        .install(|| run_demo(seed, SHORT))
+}
+
+fn assert_same(a: &Finished, b: &Finished) {
+    for (line, (x, y)) in a.log.iter().zip(&b.log).enumerate() {
+        assert_eq!(x, y, "first difference in event {}", line + 1);
+    }
+    assert_eq!(a.log.len(), b.log.len(), "one log is longer");
+    assert_eq!(a.outcome.state_hash, b.outcome.state_hash);
+}
+
+#[test]
+fn thread_count_changes_nothing() {
+    let one = on_threads(1, 3);
+    assert!(
+        one.log.len() > 100,
+        "too short to prove anything: {} events",
+        one.log.len()
+    );
+    assert!(
+        one.outcome.score.picks.len() >= 2,
+        "too few picks to prove anything"
+    );
+    assert_same(&one, &on_threads(2, 3));
+    assert_same(&one, &on_threads(5, 3));
+}
+
+#[test]
+fn the_seed_changes_something() {
+    let (a, b) = (on_threads(2, 3), on_threads(2, 4));
+    assert_ne!(a.outcome.state_hash, b.outcome.state_hash);
+    assert_ne!(a.log, b.log);
+}
