@@ -15,12 +15,15 @@
 mod blueprint;
 mod error;
 mod json_lines;
+mod picture;
 mod recording;
+mod scenery;
 mod shapes;
 
 pub use error::RecordError;
 pub use json_lines::JsonLines;
-pub use recording::{Recording, RecordingSetup};
+pub use recording::Recording;
+pub use scenery::RecordingSetup;
 
 #[cfg(test)]
 mod tests;

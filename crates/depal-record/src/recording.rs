@@ -13,35 +13,10 @@ use rerun::{
 
 use crate::RecordError;
 use crate::blueprint::blueprint;
-use crate::shapes::{color, log_static_shapes, position, quaternion, transform};
+use crate::picture::log_capture;
+use crate::scenery::{RecordingSetup, log_setup};
+use crate::shapes::{color, position, quaternion, transform};
 
-/// What does not change during a run and is drawn once.
-#[derive(Debug, Clone)]
-pub struct RecordingSetup {
-    /// Name shown by the viewer: scene and seed.
-    pub title: String,
-    /// Markdown shown in the Readme tab.
-    pub readme: String,
-    /// The arm's links with their coloured solids, in link frames.
-    pub arm_links: Vec<(String, Vec<(PlacedShape, [u8; 3])>)>,
-    /// Joint names, in the order of the joint positions.
-    pub joint_names: Vec<String>,
-    /// Solids of the gripper, in the tool frame.
-    pub gripper_bodies: Vec<PlacedShape>,
-    /// Rectangle of each section in the tool frame: min x, max x, min y, max y, metres.
-    pub section_areas: Vec<[f64; 4]>,
-    /// Everything that stands still: name, solids in the world frame, colour.
-    pub fixed: Vec<(String, Vec<PlacedShape>, [u8; 3])>,
-    /// The camera.
-    pub intrinsics: Intrinsics,
-    /// World pose of the camera.
-    pub world_from_camera: Pose,
-}
-
-/// The depth image is stored at 1 / this resolution.
-const IMAGE_STEP: usize = 2;
-/// One point of the cloud in this many rows and columns.
-const CLOUD_STEP: usize = 9;
 /// A carton is drawn again when it moved this far, metres, or turned this far, radians.
 const CARTON_STEP: f64 = 1e-3;
 
@@ -392,71 +367,6 @@ impl Recording {
         }
         Ok(())
     }
-
-    fn log_capture(&mut self, capture: &CaptureView<'_>) -> RecordingStreamResult<()> {
-        self.set_time(capture.time);
-        let intrinsics = &capture.frame.intrinsics;
-        let (width, height) = (
-            intrinsics.width / IMAGE_STEP,
-            intrinsics.height / IMAGE_STEP,
-        );
-        let mut pixels = Vec::with_capacity(width * height * 2);
-        for row in 0..height {
-            for column in 0..width {
-                let depth = capture
-                    .frame
-                    .depth_at(column * IMAGE_STEP, row * IMAGE_STEP);
-                pixels.extend_from_slice(&((depth * 1e4).round() as u16).to_be_bytes());
-            }
-        }
-        let image = encode_png(&pixels, width as u32, height as u32);
-        self.stream.log(
-            "world/camera/image/depth",
-            &EncodedDepthImage::new(image)
-                .with_media_type("image/png")
-                .with_meter(1e4)
-                .with_colormap(rerun::components::Colormap::Turbo)
-                // In stored units, as the meter says: the usual span from a full stack to the floor.
-                .with_depth_range([1.8e4, 3.8e4]),
-        )?;
-        let mut points = Vec::new();
-        let mut colors = Vec::new();
-        for row in (0..intrinsics.height).step_by(CLOUD_STEP) {
-            for column in (0..intrinsics.width).step_by(CLOUD_STEP) {
-                let depth = capture.frame.depth_at(column, row);
-                if depth > 0.0 {
-                    let p = capture.world_from_camera
-                        * intrinsics.deproject(column as f64, row as f64, f64::from(depth));
-                    points.push([p.x as f32, p.y as f32, p.z as f32]);
-                    colors.push(height_color(p.z));
-                }
-            }
-        }
-        self.stream.log(
-            "world/cloud",
-            &Points3D::new(points)
-                .with_colors(colors)
-                .with_radii([0.004f32]),
-        )?;
-        self.stream.log(
-            "vision/estimates",
-            &wireframes(&capture.detections, Color::from_rgb(80, 255, 120), 0.005),
-        )?;
-        let arrows = capture.detections.iter().map(|(pose, _)| {
-            let x = pose.rotation * depal_frames::Vector::x() * 0.15;
-            [x.x as f32, x.y as f32, x.z as f32]
-        });
-        self.stream.log(
-            "vision/estimates/x_axis",
-            &Arrows3D::from_vectors(arrows)
-                .with_origins(capture.detections.iter().map(|(pose, _)| position(pose)))
-                .with_colors([Color::from_rgb(255, 90, 90)]),
-        )?;
-        self.stream.log(
-            "vision/truth",
-            &wireframes(&capture.truth, Color::from_rgb(255, 255, 255), 0.002),
-        )
-    }
 }
 
 impl Observer for Recording {
@@ -471,74 +381,10 @@ impl Observer for Recording {
     }
 
     fn on_capture(&mut self, capture: &CaptureView<'_>) {
-        let result = self.log_capture(capture);
+        self.set_time(capture.time);
+        let result = log_capture(&self.stream, capture);
         self.keep(result);
     }
-}
-
-/// Draws what stands still, the shapes of what moves, and the names of the plots.
-fn log_setup(stream: &RecordingStream, setup: &RecordingSetup) -> RecordingStreamResult<()> {
-    stream.log_static("/", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
-    stream.log_static(
-        "readme",
-        &TextDocument::new(setup.readme.as_str()).with_media_type("text/markdown"),
-    )?;
-    for (name, shapes, rgb) in &setup.fixed {
-        let coloured: Vec<_> = shapes.iter().map(|shape| (shape.clone(), *rgb)).collect();
-        log_static_shapes(stream, &format!("world/{name}"), &coloured)?;
-    }
-    for (name, shapes) in &setup.arm_links {
-        log_static_shapes(stream, &format!("world/robot/{name}"), shapes)?;
-    }
-    let mut tool: Vec<_> = setup
-        .gripper_bodies
-        .iter()
-        .map(|body| (body.clone(), [70, 70, 78]))
-        .collect();
-    for area in &setup.section_areas {
-        let centre =
-            Pose::translation(0.5 * (area[0] + area[1]), 0.5 * (area[2] + area[3]), -0.004);
-        let size = depal_frames::Vector::new(area[1] - area[0], area[3] - area[2], 0.006);
-        tool.push((PlacedShape::cuboid(centre, size), [30, 110, 180]));
-    }
-    log_static_shapes(stream, "world/robot/gripper", &tool)?;
-    stream.log_static("world/camera", &transform(&setup.world_from_camera))?;
-    let step = IMAGE_STEP as f32;
-    let i = &setup.intrinsics;
-    stream.log_static(
-        "world/camera/image",
-        &Pinhole::from_focal_length_and_resolution(
-            [i.fx as f32 / step, i.fy as f32 / step],
-            [
-                (i.width / IMAGE_STEP) as f32,
-                (i.height / IMAGE_STEP) as f32,
-            ],
-        )
-        .with_camera_xyz(rerun::components::ViewCoordinates::RDF)
-        .with_image_plane_distance(0.3),
-    )?;
-    for section in 1..=setup.section_areas.len() {
-        stream.log_static(
-            format!("gripper/vacuum/section_{section}"),
-            &SeriesLines::new().with_names([format!("section {section}")]),
-        )?;
-    }
-    Ok(())
-}
-
-/// Boxes whose top faces are at the given poses, drawn as lines.
-fn wireframes(tops: &[(Pose, [f64; 3])], line: Color, radius: f32) -> Boxes3D {
-    let centre =
-        |(pose, size): &(Pose, [f64; 3])| pose * Pose::translation(0.0, 0.0, -0.5 * size[2]);
-    Boxes3D::from_centers_and_half_sizes(
-        tops.iter().map(|top| position(&centre(top))),
-        tops.iter()
-            .map(|(_, size)| size.map(|side| (side * 0.5) as f32)),
-    )
-    .with_quaternions(tops.iter().map(|(pose, _)| quaternion(&pose.rotation)))
-    .with_colors([line])
-    .with_radii([radius])
-    .with_fill_mode(FillMode::MajorWireframe)
 }
 
 fn carton_color(state: CartonViewState) -> [u8; 3] {
@@ -549,29 +395,4 @@ fn carton_color(state: CartonViewState) -> [u8; 3] {
         CartonViewState::Placed => PLACED,
         CartonViewState::Lost => LOST,
     }
-}
-
-/// Blue on the floor to yellow at two metres.
-fn height_color(z: f64) -> Color {
-    let t = (z / 2.0).clamp(0.0, 1.0);
-    Color::from_rgb(
-        (60.0 + 190.0 * t) as u8,
-        (90.0 + 130.0 * t) as u8,
-        (210.0 - 150.0 * t) as u8,
-    )
-}
-
-/// 16-bit grey PNG from big-endian pixels.
-fn encode_png(pixels: &[u8], width: u32, height: u32) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Grayscale);
-    encoder.set_depth(png::BitDepth::Sixteen);
-    encoder.set_compression(png::Compression::Fast);
-    let mut writer = encoder.write_header().expect("a vector takes every byte");
-    writer
-        .write_image_data(pixels)
-        .expect("the buffer has width * height * 2 bytes");
-    drop(writer);
-    bytes
 }
