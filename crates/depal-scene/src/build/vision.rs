@@ -109,6 +109,7 @@ pub(super) fn server(scene: &Scene) -> ServerSettings {
         id: i32::from(project.id),
         recipes: project.recipes.iter().map(|r| i32::from(r.id)).collect(),
         output: OutputPort::Poses,
+        ..ServedProject::default()
     });
     let branches = scene
         .viz
@@ -126,7 +127,9 @@ pub(super) fn server(scene: &Scene) -> ServerSettings {
         projects: projects.collect(),
         viz: Some(VizProject {
             branches: branches.collect(),
+            ..VizProject::default()
         }),
+        ..ServerSettings::default()
     }
 }
 
