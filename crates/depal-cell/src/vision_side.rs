@@ -199,6 +199,15 @@ impl VisionSide {
                     self.follow(now, spec, ask, score, events);
                 }
                 Job::StopViz { job_id } => self.stop_viz(job_id),
+                // The workflow has no step yet that takes one of these, and the settings register none:
+                // the server refuses their commands, except 502, whose pose nothing uses.
+                Job::SetIndex { .. }
+                | Job::WriteParameter { .. }
+                | Job::SetOuterPose { .. }
+                | Job::SetInputPose { .. }
+                | Job::SetVariable { .. }
+                | Job::SwitchSolution { .. }
+                | Job::CaptureCalibration { .. } => {}
                 Job::SetBranch { job_id, exit, .. } => {
                     if self.viz.as_ref().is_some_and(|run| run.job_id == job_id) {
                         let ask = self.engine.branch(exit);

@@ -44,6 +44,71 @@ pub enum Job {
         /// The run.
         job_id: JobId,
     },
+    /// A counting step of the run goes on from another place.
+    SetIndex {
+        /// The run.
+        job_id: JobId,
+        /// Step id.
+        step: i32,
+        /// The current index, from 0: what 204 named, less 1.
+        index: usize,
+    },
+    /// A step parameter of the Viz project has a new value, from the next run on.
+    WriteParameter {
+        /// The session.
+        port: PortId,
+        /// Step id.
+        step: i32,
+        /// Name of the parameter.
+        key: String,
+        /// Value, in the unit of the step's own settings.
+        value: f64,
+    },
+    /// The pose of "external move" steps, from the next run on.
+    SetOuterPose {
+        /// The session.
+        port: PortId,
+        /// Tool pose in the robot base.
+        base_from_tcp: Pose,
+    },
+    /// The pose that a step of a vision project works with, from the next run on.
+    SetInputPose {
+        /// The session.
+        port: PortId,
+        /// Number of the vision project.
+        project: i32,
+        /// Name of the step.
+        step: String,
+        /// The pose; its frames are the step's business.
+        pose: Pose,
+    },
+    /// A global variable has a new value.
+    SetVariable {
+        /// The session.
+        port: PortId,
+        /// Its name.
+        name: String,
+        /// The value.
+        value: VariableValue,
+    },
+    /// Another solution is wanted.
+    SwitchSolution {
+        /// The session.
+        port: PortId,
+        /// Number of the solution.
+        solution: i32,
+    },
+    /// The robot stands at a calibration pose: capture now.
+    CaptureCalibration {
+        /// The session.
+        port: PortId,
+        /// Which pose of the settings, from 1.
+        number: usize,
+        /// Where the robot says it is.
+        base_from_flange: Pose,
+        /// Its joints, radians.
+        joints: JointPositions,
+    },
     /// A branch step that waits may go on.
     SetBranch {
         /// The run.
@@ -93,6 +158,61 @@ pub struct VizPath {
     pub points: Vec<PathPoint>,
     /// Numbers of the gripper's outputs to switch on at the Vision Move; at most 64.
     pub digital_outputs: Vec<u16>,
+}
+
+/// A value of a global variable.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VariableValue {
+    /// From 504.
+    Number(f64),
+    /// From 505.
+    Numbers(Vec<f64>),
+    /// From 506.
+    Text(String),
+    /// From 507.
+    Texts(Vec<String>),
+}
+
+/// The values of one custom port of a vision project.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CustomPort {
+    /// Its name: ports are sent in alphabetical order (by bytes), whatever their order here.
+    pub name: String,
+    /// One row for each point, or for each Vision Move waypoint of a path, in their order.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// Vision points and the custom values that go with them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct VisionResult {
+    /// The points.
+    pub points: Vec<VisionPoint>,
+    /// The custom ports.
+    pub custom_ports: Vec<CustomPort>,
+}
+
+/// A path of one or several rounds: what vision projects plan, and Viz projects that reuse a vision result.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PlannedPath {
+    /// Waypoints of all rounds in order.
+    pub points: Vec<PathPoint>,
+    /// Numbers of the gripper's outputs to switch on, by round.
+    pub rounds: Vec<Vec<u16>>,
+    /// Sections of the gripper: places of a round in the DO list unless the robot names another number.
+    pub sections: usize,
+    /// Custom values, one row for each Vision Move waypoint.
+    pub custom_ports: Vec<CustomPort>,
+}
+
+impl From<VizPath> for PlannedPath {
+    /// A path of one round without custom values.
+    fn from(path: VizPath) -> Self {
+        Self {
+            points: path.points,
+            rounds: vec![path.digital_outputs],
+            ..Self::default()
+        }
+    }
 }
 
 /// How a waypoint is reached.

@@ -22,30 +22,40 @@
 //!
 //! Inside SI and radians; millimetres, degrees and the brand's angle order exist only in the bytes.
 //!
-//! Commands 101, 102, 103, 201, 202, 203, 205, 206, 210, 501 and 901; any other is answered with 3001.
-//! Paths are planned by the Viz project only: a vision project has points, not paths.
+//! All commands of the interface. What a step kind does with an index, a parameter, an external pose, an input
+//! pose or a variable is the cell's business: it gets a [`Job`] for each.
+//! Calibration is a dialogue with poses of the settings; its geometry is not here. Not here: PLC sessions.
 
+mod calibration;
 mod dispatch;
 mod job;
 mod log;
+mod notify;
+mod path_fetch;
+mod project_values;
+mod property_config;
 mod server;
 mod session;
 mod settings;
+mod vision_fetch;
 mod vision_run;
 mod viz_run;
 mod wire_values;
 
 pub use depal_wire::{Encoding, Profile, Status};
 pub use job::{
-    Job, JobId, Motion, PathPoint, RobotPose, VisionMoveData, VisionOutcome, VisionPoint,
-    VizOutcome, VizPath,
+    CustomPort, Job, JobId, Motion, PathPoint, PlannedPath, RobotPose, VariableValue,
+    VisionMoveData, VisionOutcome, VisionPoint, VisionResult, VizOutcome, VizPath,
 };
 pub use log::{Direction, LogEntry};
+pub use property_config::{
+    PropertyConfig, PropertyConfigError, PropertyValue, ReadLine, WriteLine,
+};
 pub use server::Server;
 pub use session::{ConnectionId, Outgoing, Session};
 pub use settings::{
-    BranchStep, InterfaceError, OutputPort, PortId, PortSettings, ServerSettings, VisionProject,
-    VizProject,
+    BranchStep, CalibrationPose, IndexStep, InterfaceError, OutputPort, PortId, PortSettings,
+    ServerSettings, StepParameter, Variable, VariableKind, VisionProject, VizProject,
 };
 
 #[cfg(test)]

@@ -1,9 +1,11 @@
 use depal_time::SimTime;
+use depal_wire::Status;
 
-use crate::job::{Job, JobId, VisionOutcome, VizOutcome};
+use crate::job::{Job, JobId, PlannedPath, VisionOutcome, VisionResult, VizOutcome};
 use crate::log::LogEntry;
 use crate::session::{ConnectionId, Outgoing, Session};
 use crate::settings::{InterfaceError, PortId, ServerSettings};
+use crate::vision_run::VisionOutput;
 
 /// All ports together. Sessions never touch one another.
 ///
@@ -22,7 +24,7 @@ impl Server {
             .iter()
             .enumerate()
             .map(|(place, port)| Session::new(PortId(place as u16), port.clone(), &settings))
-            .collect();
+            .collect::<Result<_, _>>()?;
         Ok(Self { sessions })
     }
 
@@ -60,10 +62,51 @@ impl Server {
         }
     }
 
-    /// The result of a [`Job::RunVision`].
+    /// The result of a [`Job::RunVision`] of a project with plain vision points.
     pub fn finish_vision(&mut self, now: SimTime, job_id: JobId, outcome: VisionOutcome) {
+        let outcome = outcome.map(|points| VisionResult {
+            points,
+            ..VisionResult::default()
+        });
+        self.finish_vision_custom(now, job_id, outcome);
+    }
+
+    /// The result of a [`Job::RunVision`] of a project with custom ports.
+    pub fn finish_vision_custom(
+        &mut self,
+        now: SimTime,
+        job_id: JobId,
+        outcome: Result<VisionResult, Status>,
+    ) {
         if let Some(session) = self.session(job_id.port) {
-            session.finish_vision(now, job_id, outcome);
+            session.finish_vision(now, job_id, outcome.map(VisionOutput::Points));
+        }
+    }
+
+    /// The result of a [`Job::RunVision`] of a project that plans a path.
+    pub fn finish_vision_path(
+        &mut self,
+        now: SimTime,
+        job_id: JobId,
+        outcome: Result<PlannedPath, Status>,
+    ) {
+        if let Some(session) = self.session(job_id.port) {
+            session.finish_vision(now, job_id, outcome.map(VisionOutput::Path));
+        }
+    }
+
+    /// A run of a [`Job::RunVision`] or [`Job::StartViz`] comes to a notify step: the robot may fetch its
+    /// message, a positive number, for as long as the port holds it.
+    pub fn notify(&mut self, now: SimTime, job_id: JobId, message: i32) {
+        if let Some(session) = self.session(job_id.port) {
+            session.notify(now, job_id, message);
+        }
+    }
+
+    /// Whether a camera answers; 901 tells it from version 2.2. True at the start.
+    pub fn set_camera_connected(&mut self, is_connected: bool) {
+        for session in &mut self.sessions {
+            session.has_camera = is_connected;
         }
     }
 
@@ -75,8 +118,18 @@ impl Server {
         }
     }
 
-    /// The result of a [`Job::StartViz`].
+    /// The result of a [`Job::StartViz`]: one round, no custom values.
     pub fn finish_viz(&mut self, now: SimTime, job_id: JobId, outcome: VizOutcome) {
+        self.finish_viz_path(now, job_id, outcome.map(PlannedPath::from));
+    }
+
+    /// The result of a [`Job::StartViz`] with rounds and custom values.
+    pub fn finish_viz_path(
+        &mut self,
+        now: SimTime,
+        job_id: JobId,
+        outcome: Result<PlannedPath, Status>,
+    ) {
         if let Some(session) = self.session(job_id.port) {
             session.finish_viz(now, job_id, outcome);
         }

@@ -3,13 +3,18 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use depal_time::SimTime;
-use depal_wire::{Frame, Framer, Reply, Request, Status};
+use depal_wire::{Encoding, Frame, Framer, Reply, Request, Status};
 
-use crate::dispatch::Answer;
-use crate::job::{Job, JobId, VisionOutcome, VizOutcome};
+use crate::calibration::Calibration;
+use crate::dispatch::{Answer, Asked};
+use crate::job::{Job, JobId, PlannedPath};
 use crate::log::{Direction, LogEntry};
-use crate::settings::{PortId, PortSettings, ServerSettings, VisionProject, VizProject};
-use crate::vision_run::VisionRun;
+use crate::notify::Message;
+use crate::property_config::{PropertyConfig, PropertyConfigError};
+use crate::settings::{
+    CalibrationPose, PortId, PortSettings, ServerSettings, Variable, VisionProject, VizProject,
+};
+use crate::vision_run::{VisionOutput, VisionRun};
 use crate::viz_run::VizRun;
 
 /// Characters of a message in the log.
@@ -32,8 +37,8 @@ pub struct Outgoing {
     pub bytes: Vec<u8>,
     /// The command answered; 0 if it was unreadable.
     pub command: i32,
-    /// The status code.
-    pub status: Status,
+    /// The status code; 601 has none.
+    pub status: Option<Status>,
     /// The connection is to be closed after this.
     pub closes: bool,
 }
@@ -41,12 +46,21 @@ pub struct Outgoing {
 /// The state of one port. It outlives connections: results wait for the next client.
 #[derive(Debug, Clone)]
 pub struct Session {
-    port: PortId,
+    pub(crate) port: PortId,
     pub(crate) settings: PortSettings,
     pub(crate) projects: BTreeMap<i32, VisionProject>,
     pub(crate) viz_project: Option<VizProject>,
     pub(crate) vision: BTreeMap<i32, VisionRun>,
     pub(crate) viz: VizRun,
+    pub(crate) solutions: Vec<i32>,
+    pub(crate) variables: Vec<Variable>,
+    pub(crate) property_config: PropertyConfig,
+    /// Values of step parameters by step and key, as 208 left them.
+    pub(crate) parameters: BTreeMap<(i32, String), f64>,
+    pub(crate) calibration_poses: Vec<CalibrationPose>,
+    pub(crate) calibration: Calibration,
+    pub(crate) message: Option<Message>,
+    pub(crate) has_camera: bool,
     connections: BTreeMap<ConnectionId, Framer>,
     /// Requests whose run is not over, in order of arrival; at most one a connection.
     waiting: Vec<Waiting>,
@@ -61,17 +75,22 @@ struct Waiting {
     connection: ConnectionId,
     request: Request,
     deadline: SimTime,
-    on_timeout: Status,
+    on_timeout: Reply,
 }
 
 impl Session {
-    pub(crate) fn new(port: PortId, settings: PortSettings, server: &ServerSettings) -> Self {
+    pub(crate) fn new(
+        port: PortId,
+        settings: PortSettings,
+        server: &ServerSettings,
+    ) -> Result<Self, PropertyConfigError> {
         let projects: BTreeMap<_, _> = server
             .projects
             .iter()
             .map(|project| (project.id, project.clone()))
             .collect();
-        Self {
+        let parameters = server.viz.iter().flat_map(|viz| &viz.parameters);
+        Ok(Self {
             port,
             settings,
             vision: projects
@@ -81,21 +100,33 @@ impl Session {
             projects,
             viz_project: server.viz.clone(),
             viz: VizRun::default(),
+            solutions: server.solutions.clone(),
+            variables: server.variables.clone(),
+            property_config: PropertyConfig::parse(&server.property_config)?,
+            parameters: parameters
+                .map(|p| ((p.step, p.key.clone()), p.value))
+                .collect(),
+            calibration_poses: server.calibration.clone(),
+            calibration: Calibration::default(),
+            message: None,
+            has_camera: true,
             connections: BTreeMap::new(),
             waiting: Vec::new(),
             job_count: 0,
             jobs: VecDeque::new(),
             replies: VecDeque::new(),
             log: VecDeque::new(),
-        }
+        })
     }
 
     /// A client is there.
     pub fn handle_connect(&mut self, _now: SimTime, connection: ConnectionId) {
-        let framer = Framer::new(
-            self.settings.encoding,
-            self.settings.profile.hex_request_len,
-        );
+        let length = self.settings.profile.hex_request_len;
+        let framer = if self.settings.detects_encoding {
+            Framer::detecting(length)
+        } else {
+            Framer::new(self.settings.encoding, length)
+        };
         self.connections.insert(connection, framer);
     }
 
@@ -129,8 +160,7 @@ impl Session {
     pub fn handle_timeout(&mut self, now: SimTime) {
         while let Some(place) = self.waiting.iter().position(|w| w.deadline <= now) {
             let late = self.waiting.remove(place);
-            let reply = Reply::status(late.request.code(), late.on_timeout);
-            self.send(now, late.connection, &reply, false);
+            self.send(now, late.connection, &late.on_timeout, false);
         }
         self.serve_all(now);
     }
@@ -161,13 +191,28 @@ impl Session {
         deadlines.chain(silences).min()
     }
 
-    pub(crate) fn finish_vision(&mut self, now: SimTime, job_id: JobId, outcome: VisionOutcome) {
+    pub(crate) fn finish_vision(
+        &mut self,
+        now: SimTime,
+        job_id: JobId,
+        outcome: Result<VisionOutput, Status>,
+    ) {
         self.take_vision_outcome(job_id, outcome);
         self.answer_waiting(now);
     }
 
-    pub(crate) fn finish_viz(&mut self, now: SimTime, job_id: JobId, outcome: VizOutcome) {
+    pub(crate) fn finish_viz(
+        &mut self,
+        now: SimTime,
+        job_id: JobId,
+        outcome: Result<PlannedPath, Status>,
+    ) {
         self.take_viz_outcome(job_id, outcome);
+        self.answer_waiting(now);
+    }
+
+    pub(crate) fn notify(&mut self, now: SimTime, job_id: JobId, message: i32) {
+        self.take_message(now, job_id, message);
         self.answer_waiting(now);
     }
 
@@ -187,7 +232,7 @@ impl Session {
     fn answer_waiting(&mut self, now: SimTime) {
         let mut still_waiting = Vec::new();
         for waiting in std::mem::take(&mut self.waiting) {
-            match self.dispatch(&waiting.request) {
+            match self.dispatch(now, &waiting.request, Asked::Again) {
                 Answer::Reply(reply) => self.send(now, waiting.connection, &reply, false),
                 Answer::Wait { .. } => still_waiting.push(waiting),
             }
@@ -239,7 +284,8 @@ impl Session {
     }
 
     fn handle_request(&mut self, now: SimTime, connection: ConnectionId, bytes: &[u8]) {
-        let request = match Request::decode(self.settings.encoding, bytes) {
+        let encoding = self.encoding_of(connection);
+        let request = match Request::decode(encoding, bytes) {
             Ok(request) => request,
             Err(error) => {
                 let command = error.command;
@@ -257,7 +303,7 @@ impl Session {
             }
         };
         let text = match &request {
-            Request::Unknown { code } => self.text_of_unknown(*code),
+            Request::Unknown { code } => text_of_unknown(encoding, *code),
             known => format!("{} ({})", known.text(), known.name()),
         };
         self.record(
@@ -269,7 +315,7 @@ impl Session {
             text,
         );
         let runs_before = self.job_count;
-        match self.dispatch(&request) {
+        match self.dispatch(now, &request, Asked::First) {
             Answer::Reply(reply) => self.send(now, connection, &reply, false),
             Answer::Wait { on_timeout } => self.waiting.push(Waiting {
                 connection,
@@ -284,33 +330,30 @@ impl Session {
         }
     }
 
-    fn text_of_unknown(&self, code: i32) -> String {
-        let swapped = code.swap_bytes();
-        if self.settings.encoding.is_hex() && Request::is_known(swapped) {
-            format!(
-                "unknown command {code}; byte order? Swapped it is {swapped}, and this port reads {}",
-                self.settings.encoding.name()
-            )
-        } else {
-            format!("unknown command {code}")
-        }
+    /// What the connection speaks; the port's own encoding until that is found out.
+    fn encoding_of(&self, connection: ConnectionId) -> Encoding {
+        let framer = self.connections.get(&connection);
+        framer
+            .and_then(Framer::encoding)
+            .unwrap_or(self.settings.encoding)
     }
 
     fn send(&mut self, now: SimTime, connection: ConnectionId, reply: &Reply, closes: bool) {
         let status = reply.verdict();
-        let text = format!("{} ({})", reply.text(), status.meaning());
+        let meaning = status.map_or("message", Status::meaning);
+        let text = format!("{} ({meaning})", reply.text());
         self.record(
             now,
             connection,
             Direction::Sent,
             reply.command(),
-            Some(status.code()),
+            status.map(Status::code),
             text,
         );
         self.replies.push_back(Outgoing {
             port: self.port,
             connection,
-            bytes: reply.encode(self.settings.encoding, &self.settings.profile),
+            bytes: reply.encode(self.encoding_of(connection), &self.settings.profile),
             command: reply.command(),
             status,
             closes,
@@ -341,5 +384,17 @@ impl Session {
             status,
             text,
         });
+    }
+}
+
+fn text_of_unknown(encoding: Encoding, code: i32) -> String {
+    let swapped = code.swap_bytes();
+    if encoding.is_hex() && Request::is_known(swapped) {
+        format!(
+            "unknown command {code}; byte order? Swapped it is {swapped}, and this port reads {}",
+            encoding.name()
+        )
+    } else {
+        format!("unknown command {code}")
     }
 }

@@ -1,7 +1,9 @@
-use depal_frames::EulerConvention;
+use depal_frames::{EulerConvention, JointPositions, Pose};
 use depal_time::SimDuration;
 use depal_wire::{Encoding, Profile, Status};
 use thiserror::Error;
+
+use crate::property_config::{PropertyConfig, PropertyConfigError};
 
 /// A port of the server: its place in [`ServerSettings::ports`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -16,6 +18,45 @@ pub struct ServerSettings {
     pub projects: Vec<VisionProject>,
     /// The Viz project that is loaded by itself (commands 201 to 210), if any.
     pub viz: Option<VizProject>,
+    /// Numbers of the solutions that 104 may switch to.
+    pub solutions: Vec<i32>,
+    /// Global variables that 504 to 507 may set.
+    pub variables: Vec<Variable>,
+    /// The text of the property configuration (207 and 208), see [`PropertyConfig`].
+    pub property_config: String,
+    /// Where 701 sends the robot, in order: 3 to 100 poses, or none if no calibration is set up.
+    pub calibration: Vec<CalibrationPose>,
+}
+
+/// One place of a calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibrationPose {
+    /// Flange in the robot base.
+    pub base_from_flange: Pose,
+    /// Joints, radians, that bring the flange there.
+    pub joints: JointPositions,
+}
+
+/// A global variable of the solution.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Variable {
+    /// Its name, without commas.
+    pub name: String,
+    /// What it holds.
+    pub kind: VariableKind,
+}
+
+/// What a global variable holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VariableKind {
+    /// A number, set by 504.
+    Number,
+    /// A list of numbers, set by 505.
+    Numbers,
+    /// A text, set by 506.
+    Text,
+    /// A list of texts, set by 507.
+    Texts,
 }
 
 impl Default for ServerSettings {
@@ -23,14 +64,12 @@ impl Default for ServerSettings {
     fn default() -> Self {
         Self {
             ports: vec![PortSettings::default()],
-            projects: vec![VisionProject {
-                id: 1,
-                recipes: Vec::new(),
-                output: OutputPort::Poses,
-            }],
-            viz: Some(VizProject {
-                branches: Vec::new(),
-            }),
+            projects: vec![VisionProject::default()],
+            viz: Some(VizProject::default()),
+            solutions: Vec::new(),
+            variables: Vec::new(),
+            property_config: String::new(),
+            calibration: Vec::new(),
         }
     }
 }
@@ -40,25 +79,50 @@ impl Default for ServerSettings {
 pub struct PortSettings {
     /// Text or packed cells.
     pub encoding: Encoding,
+    /// Each connection's encoding is found out from its first bytes instead.
+    pub detects_encoding: bool,
     /// The product version's output rules, with the most points of a reply.
     pub profile: Profile,
     /// The brand's rule for the three angles of a pose.
     pub euler: EulerConvention,
-    /// How long 102, 205 and 210 wait for a running project before they answer 1019 or 2025.
+    /// How long 102, 105, 110, 111, 205 and 210 wait for a running project before they answer 1019 or 2025,
+    /// and 601 for a message before it answers 0.
     /// The product's default is 10 s. Shorter than planning takes makes programs give up.
     pub timeout: SimDuration,
     /// What 102 answers when everything has been fetched. Newer versions say 1002; up to 1.5 it was 1008.
     pub all_fetched: Status,
+    /// How long a message waits for 601: 1 s, from version 2.2 3 s.
+    pub notify_hold: SimDuration,
+}
+
+impl PortSettings {
+    /// The settings that go with a profile, text, and ABB angles.
+    pub fn of_profile(profile: Profile) -> Self {
+        let is_oldest = profile.name == "v1_5";
+        let holds_longer = profile.name == "v2_2";
+        Self {
+            profile,
+            all_fetched: if is_oldest {
+                Status::VisionDoListMissing
+            } else {
+                Status::NoVisionResult
+            },
+            notify_hold: SimDuration::from_millis(if holds_longer { 3_000 } else { 1_000 }),
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for PortSettings {
     fn default() -> Self {
         Self {
             encoding: Encoding::Ascii,
+            detects_encoding: false,
             profile: Profile::v1_8(),
             euler: EulerConvention::AbbZyx,
             timeout: SimDuration::from_millis(10_000),
             all_fetched: Status::NoVisionResult,
+            notify_hold: SimDuration::from_millis(1_000),
         }
     }
 }
@@ -72,6 +136,20 @@ pub struct VisionProject {
     pub recipes: Vec<i32>,
     /// What it puts out.
     pub output: OutputPort,
+    /// Names of its steps that take a pose by 503.
+    pub input_steps: Vec<String>,
+}
+
+impl Default for VisionProject {
+    /// Number 1, vision points, no recipes.
+    fn default() -> Self {
+        Self {
+            id: 1,
+            recipes: Vec::new(),
+            output: OutputPort::Poses,
+            input_steps: Vec::new(),
+        }
+    }
 }
 
 /// The kind of a vision project's output.
@@ -79,15 +157,41 @@ pub struct VisionProject {
 pub enum OutputPort {
     /// Vision points, for 102.
     Poses,
-    /// A planned path, for 105: 102 is answered with 1016.
+    /// A planned path, for 105, 106 and 111: 102 is answered with 1016.
     Path,
+    /// Vision points with custom ports, for 102 or 110.
+    Custom,
 }
 
 /// What the server has to know of the Viz project.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct VizProject {
     /// Its "branch by message" steps.
     pub branches: Vec<BranchStep>,
+    /// Its steps that count, for 204.
+    pub index_steps: Vec<IndexStep>,
+    /// The numeric parameters of its steps that 207 and 208 may name.
+    pub parameters: Vec<StepParameter>,
+}
+
+/// A step with an index: move by list, by grid, pallet patterns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct IndexStep {
+    /// Step id.
+    pub step: i32,
+    /// Places that it counts through; 204 takes 1 to this.
+    pub places: i32,
+}
+
+/// A parameter of a step, with the value that it has when the server starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepParameter {
+    /// Step id.
+    pub step: i32,
+    /// Name of the parameter.
+    pub key: String,
+    /// Value, in the unit of the step's own settings.
+    pub value: f64,
 }
 
 /// A step that waits for command 203.
@@ -134,6 +238,15 @@ pub enum InterfaceError {
         /// The recipe.
         recipe: i32,
     },
+    /// The number of calibration poses.
+    #[error("calibration with {found} poses, expected 3 to 100, or none")]
+    CalibrationPoses {
+        /// Poses found.
+        found: usize,
+    },
+    /// The property configuration cannot be read.
+    #[error(transparent)]
+    PropertyConfig(#[from] PropertyConfigError),
 }
 
 impl ServerSettings {
@@ -148,6 +261,11 @@ impl ServerSettings {
                 return Err(InterfaceError::PoseCap { port, found });
             }
         }
+        let found = self.calibration.len();
+        if found != 0 && !(3..=100).contains(&found) {
+            return Err(InterfaceError::CalibrationPoses { found });
+        }
+        PropertyConfig::parse(&self.property_config)?;
         for (place, project) in self.projects.iter().enumerate() {
             let id = project.id;
             if id < 1 {

@@ -23,6 +23,7 @@ impl Bench {
             id,
             recipes: recipes.to_vec(),
             output,
+            ..VisionProject::default()
         };
         let settings = ServerSettings {
             ports: vec![port],
@@ -33,7 +34,9 @@ impl Bench {
             ],
             viz: Some(VizProject {
                 branches: vec![BranchStep { step: 7, exits: 2 }],
+                ..VizProject::default()
             }),
+            ..ServerSettings::default()
         };
         let mut bench = Self {
             server: Server::new(settings).unwrap(),
@@ -81,7 +84,9 @@ impl Bench {
             Job::RunVision { job_id, .. }
             | Job::StartViz { job_id, .. }
             | Job::StopViz { job_id }
+            | Job::SetIndex { job_id, .. }
             | Job::SetBranch { job_id, .. } => job_id,
+            other => panic!("{other:?} belongs to no run"),
         }
     }
 
@@ -394,7 +399,7 @@ fn swapped_bytes_are_named_in_the_log() {
     bench.server.handle_input(bench.now, PORT, CLIENT, &frame);
     bench.wait(20);
     let reply = bench.server.poll_reply().unwrap();
-    assert_eq!(reply.status, Status::InvalidCommand);
+    assert_eq!(reply.status, Some(Status::InvalidCommand));
     assert_eq!(reply.bytes[..4], frame[..4]);
     let entry = bench.server.poll_log().unwrap();
     assert!(
@@ -576,7 +581,7 @@ proptest! {
             bench.server.handle_input(bench.now, PORT, probe, &frame);
             bench.wait(20);
             let reply = bench.server.poll_reply().unwrap();
-            prop_assert_eq!(reply.status, Status::VisionReady);
+            prop_assert_eq!(reply.status, Some(Status::VisionReady));
         }
     }
 }

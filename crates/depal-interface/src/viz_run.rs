@@ -1,17 +1,17 @@
-//! The Viz project of one session, and commands 201, 202, 203, 205, 206 and 210.
+//! The Viz project of one session, and commands 200 to 206 and 210.
 
 use std::collections::BTreeMap;
 
 use depal_frames::JointPositions;
 use depal_wire::{
-    DO_LIST_LEN, DoList, GetPlanData, GetVizPath, PLAN_VALUES, PlanPoint, PointCell8, PointList,
-    PointRecord, Reply, SetBranch, StartViz, Status, VisionMoveCells, VizStartPayload,
+    GetDoList, GetPlanData, GetVizPath, Reply, RunViz, SetBranch, SetIndex, StartViz, Status,
+    VizStartPayload,
 };
 
-use crate::dispatch::Answer;
-use crate::job::{Job, JobId, Motion, PathPoint, VisionMoveData, VizOutcome, VizPath};
+use crate::dispatch::{Answer, Asked};
+use crate::job::{Job, JobId, PlannedPath};
+use crate::path_fetch::PathFetch;
 use crate::session::Session;
-use crate::wire_values::{joint_values, pose_values};
 
 /// What a session remembers of its Viz project.
 #[derive(Debug, Clone, Default)]
@@ -24,14 +24,10 @@ pub(crate) enum VizRun {
         waiting_at: Option<i32>,
         /// Exits chosen before their step was reached, by step id.
         latched: BTreeMap<i32, usize>,
+        /// An exit has been chosen in this run: too late for 204.
+        has_branched: bool,
     },
-    Finished {
-        path: VizPath,
-        /// Waypoints already sent.
-        sent: usize,
-        /// The command that fetches them: 205 and 210 are not to be mixed.
-        fetched_by: Option<i32>,
-    },
+    Finished(PathFetch),
     Failed {
         status: Status,
         /// A client has heard of it.
@@ -52,6 +48,10 @@ impl Session {
             }
             VizStartPayload::UnknownType(_) => return Status::InvalidVizPoseType,
         };
+        self.begin_viz(start)
+    }
+
+    fn begin_viz(&mut self, start: Option<JointPositions>) -> Status {
         if matches!(self.viz, VizRun::Running { .. }) {
             return Status::VizRunning;
         }
@@ -72,6 +72,7 @@ impl Session {
             job_id,
             waiting_at: None,
             latched: BTreeMap::new(),
+            has_branched: false,
         };
         self.jobs.push_back(job);
         Status::VizStarted
@@ -88,20 +89,18 @@ impl Session {
     /// Accepted from 201 until the run's result is fetched: a program that sends 203 straight after 201
     /// must not depend on how fast the run is.
     pub(crate) fn set_branch(&mut self, request: &SetBranch) -> Status {
-        let branches = self.viz_project.iter().flat_map(|viz| &viz.branches);
-        let Some(branch) = branches.into_iter().find(|b| b.step == request.step) else {
-            return Status::BadBranchStep;
+        let exit = match self.exit_of(request.step, request.port) {
+            Ok(exit) => exit,
+            Err(status) => return status,
         };
-        if request.port < 1 || request.port > branch.exits {
-            return Status::BadExitPort;
-        }
-        let exit = request.port as usize - 1;
         match &mut self.viz {
             VizRun::Running {
                 job_id,
                 waiting_at,
                 latched,
+                has_branched,
             } => {
+                *has_branched = true;
                 if *waiting_at == Some(request.step) {
                     *waiting_at = None;
                     self.jobs.push_back(Job::SetBranch {
@@ -114,10 +113,50 @@ impl Session {
                 }
                 Status::BranchSet
             }
-            VizRun::Finished { sent: 0, .. } | VizRun::Failed { is_told: false, .. } => {
-                Status::BranchSet
-            }
+            VizRun::Finished(path) if path.is_untouched() => Status::BranchSet,
+            VizRun::Failed { is_told: false, .. } => Status::BranchSet,
             _ => Status::VizNoResult,
+        }
+    }
+
+    /// The exit, from 0, that a port of a branch step stands for.
+    fn exit_of(&self, step: i32, port: i32) -> Result<usize, Status> {
+        let mut branches = self.viz_project.iter().flat_map(|viz| &viz.branches);
+        let branch = branches
+            .find(|branch| branch.step == step)
+            .ok_or(Status::BadBranchStep)?;
+        if port < 1 || port > branch.exits {
+            return Err(Status::BadExitPort);
+        }
+        Ok(port as usize - 1)
+    }
+
+    /// Possible from 201 until the first 203 of the run.
+    pub(crate) fn set_index(&mut self, request: &SetIndex) -> Status {
+        let mut steps = self.viz_project.iter().flat_map(|viz| &viz.index_steps);
+        let Some(step) = steps.find(|step| step.step == request.step) else {
+            return Status::BadIndexStep;
+        };
+        if request.index < 1 || request.index > step.places {
+            return Status::BadIndex;
+        }
+        match &self.viz {
+            VizRun::NotStarted => Status::VizNoResult,
+            VizRun::Running {
+                job_id,
+                has_branched: false,
+                ..
+            } => {
+                self.jobs.push_back(Job::SetIndex {
+                    job_id: *job_id,
+                    step: request.step,
+                    index: request.index as usize - 1,
+                });
+                Status::IndexSet
+            }
+            VizRun::Running { .. } | VizRun::Finished(_) | VizRun::Failed { .. } => {
+                Status::IndexFailed
+            }
         }
     }
 
@@ -126,6 +165,7 @@ impl Session {
             job_id,
             waiting_at,
             latched,
+            ..
         } = &mut self.viz
         else {
             return;
@@ -143,25 +183,65 @@ impl Session {
         }
     }
 
-    pub(crate) fn take_viz_outcome(&mut self, finished: JobId, outcome: VizOutcome) {
+    pub(crate) fn take_viz_outcome(
+        &mut self,
+        finished: JobId,
+        outcome: Result<PlannedPath, Status>,
+    ) {
         if !matches!(&self.viz, VizRun::Running { job_id, .. } if *job_id == finished) {
             return;
         }
-        self.viz = match outcome {
-            Ok(path) if path.points.is_empty() => VizRun::Failed {
-                status: Status::VizNoResult,
-                is_told: false,
-            },
-            Ok(path) => VizRun::Finished {
-                path,
-                sent: 0,
-                fetched_by: None,
-            },
-            Err(status) => VizRun::Failed {
-                status,
-                is_told: false,
+        let failed = |status| VizRun::Failed {
+            status,
+            is_told: false,
+        };
+        self.viz = match outcome.and_then(PathFetch::new) {
+            Ok(path) if path.is_empty() => failed(Status::VizNoResult),
+            Ok(path) => VizRun::Finished(path),
+            Err(Status::PosesNotCustomData) => failed(Status::NoCustomData),
+            Err(status) => failed(status),
+        };
+    }
+
+    /// 201, 203 and 205 in one; nothing starts unless all three could be carried out.
+    pub(crate) fn run_viz(&mut self, request: &RunViz, asked: Asked) -> Answer {
+        const COMMAND: i32 = 200;
+        let refuse = |status| Answer::Reply(Reply::status(COMMAND, status));
+        if asked == Asked::Again {
+            return self.next_viz_part(COMMAND, request.pose_type);
+        }
+        if self.viz_project.is_none() {
+            return refuse(Status::VizNoAutoload);
+        }
+        if !matches!(request.pose_type, 1 | 2) {
+            return refuse(Status::InvalidVizPathType);
+        }
+        let exit = match request.step {
+            0 => None,
+            step => match self.exit_of(step, request.port) {
+                Ok(exit) => Some((step, exit)),
+                Err(status) => return refuse(status),
             },
         };
+        let is_sent = request.joints_deg.iter().any(|joint| *joint != 0.0);
+        let start = is_sent.then(|| JointPositions::from_degrees(&request.joints_deg));
+        match self.begin_viz(start) {
+            Status::VizStarted => {}
+            status => return refuse(status),
+        }
+        if let (
+            Some((step, exit)),
+            VizRun::Running {
+                latched,
+                has_branched,
+                ..
+            },
+        ) = (exit, &mut self.viz)
+        {
+            latched.insert(step, exit);
+            *has_branched = true;
+        }
+        self.next_viz_part(COMMAND, request.pose_type)
     }
 
     pub(crate) fn get_viz_path(&mut self, request: &GetVizPath) -> Answer {
@@ -169,38 +249,20 @@ impl Session {
         if !matches!(request.pose_type, 1 | 2) {
             return Answer::Reply(Reply::status(COMMAND, Status::InvalidVizPathType));
         }
-        let (cap, euler) = (self.settings.profile.pose_cap, self.settings.euler);
-        let cell8 = self.settings.profile.point_cell8;
-        let (path, sent) = match self.path_to_fetch(COMMAND) {
-            Ok(fetch) => fetch,
-            Err(answer) => return answer,
-        };
-        let first = *sent;
-        let part = &path.points[first..path.points.len().min(first + cap)];
-        *sent += part.len();
-        let list = PointList {
-            is_last: *sent == path.points.len(),
-            vision_move: path.points[first..]
-                .iter()
-                .position(|p| p.vision_move.is_some())
-                .map_or(0, |place| place as i32 + 1),
-            points: part
-                .iter()
-                .map(|point| PointRecord {
-                    values: waypoint_values(point, request.pose_type == 1, euler),
-                    label: point.label,
-                    cell8: match cell8 {
-                        PointCell8::Velocity => whole_percent(point.velocity_percent),
-                        PointCell8::ToolId => point.tool,
-                    },
-                })
-                .collect(),
-        };
-        Answer::Reply(Reply::Points {
-            command: COMMAND,
-            status: Status::VizFinished,
-            list,
-        })
+        self.next_viz_part(COMMAND, request.pose_type)
+    }
+
+    /// The next part of the path, for 205, or for 200 in its form.
+    fn next_viz_part(&mut self, command: i32, pose_type: i32) -> Answer {
+        let port = self.settings.clone();
+        match self.path_to_fetch(command, 205) {
+            Err(answer) => answer,
+            Ok(path) => Answer::Reply(Reply::Points {
+                command,
+                status: Status::VizFinished,
+                list: path.next_part(port.profile.pose_cap, pose_type == 1, &port),
+            }),
+        }
     }
 
     pub(crate) fn get_plan_data(&mut self, request: &GetPlanData) -> Answer {
@@ -208,112 +270,52 @@ impl Session {
         if !(1..=4).contains(&request.format) {
             return Answer::Reply(Reply::status(COMMAND, Status::InvalidVizPathType));
         }
+        let (wants_joints, wants_plan) = (matches!(request.format, 1 | 3), request.format >= 3);
         let euler = self.settings.euler;
-        let (path, sent) = match self.path_to_fetch(COMMAND) {
-            Ok(fetch) => fetch,
-            Err(answer) => return answer,
-        };
-        let point = &path.points[*sent];
-        *sent += 1;
-        Answer::Reply(Reply::PlanPoint(Box::new(PlanPoint {
-            is_last: *sent == path.points.len(),
-            values: waypoint_values(point, matches!(request.format, 1 | 3), euler),
-            move_type: match point.motion {
-                Motion::Joint => 1,
-                Motion::Linear => 2,
-            },
-            tool: point.tool,
-            velocity_percent: whole_percent(point.velocity_percent),
-            vision_move: point.vision_move.as_ref().map(|data| VisionMoveCells {
-                plan: (request.format >= 3).then(|| plan_values(data)),
-                custom: Vec::new(),
-            }),
-        })))
+        match self.path_to_fetch(COMMAND, COMMAND) {
+            Err(answer) => answer,
+            Ok(path) => Answer::Reply(Reply::PlanPoint(Box::new(path.next_plan_point(
+                wants_joints,
+                wants_plan,
+                euler,
+            )))),
+        }
     }
 
-    /// The path and how much of it is sent, at least one waypoint being left; or the answer instead.
-    fn path_to_fetch(&mut self, command: i32) -> Result<(&VizPath, &mut usize), Answer> {
+    /// The path, at least one waypoint being left, reserved for `kind`; or the answer to `command` instead.
+    fn path_to_fetch(&mut self, command: i32, kind: i32) -> Result<&mut PathFetch, Answer> {
         let refuse = |status| Err(Answer::Reply(Reply::status(command, status)));
         match &mut self.viz {
             VizRun::NotStarted => refuse(Status::VizNoResult),
             VizRun::Running { .. } => Err(Answer::Wait {
-                on_timeout: Status::VizTimeout,
+                on_timeout: Reply::status(command, Status::VizTimeout),
             }),
             VizRun::Failed { status, is_told } => {
                 *is_told = true;
                 refuse(*status)
             }
-            VizRun::Finished {
-                path,
-                sent,
-                fetched_by,
-            } => {
-                if *sent == path.points.len() {
+            VizRun::Finished(path) => {
+                if path.is_drained() {
                     return refuse(Status::VizNoResult);
                 }
-                if fetched_by.is_some_and(|other| other != command) {
+                if path.fetched_by.is_some_and(|other| other != kind) {
                     return refuse(Status::NoPlanData);
                 }
-                *fetched_by = Some(command);
-                Ok((path, sent))
+                path.fetched_by = Some(kind);
+                Ok(path)
             }
         }
     }
 
-    /// The list of this round; it stays until the next 201, so it may be fetched before or after the path.
-    pub(crate) fn get_do_list(&self) -> Reply {
-        let missing = Reply::status(206, Status::VizDoListMissing);
-        let VizRun::Finished { path, .. } = &self.viz else {
-            return missing;
+    /// The list stays until the next 201, so it may be fetched before or after the path.
+    pub(crate) fn get_do_list(&self, request: &GetDoList) -> Reply {
+        let list = match &self.viz {
+            VizRun::Finished(path) => path.do_list(request.sections),
+            _ => None,
         };
-        if path.digital_outputs.is_empty() {
-            return missing;
-        }
-        let mut list = [-1; DO_LIST_LEN];
-        for (place, number) in list.iter_mut().zip(&path.digital_outputs) {
-            *place = i32::from(*number);
-        }
-        Reply::DoList(Box::new(DoList(list)))
+        list.map_or_else(
+            || Reply::status(206, Status::VizDoListMissing),
+            |list| Reply::DoList(Box::new(list)),
+        )
     }
-}
-
-fn waypoint_values(
-    point: &PathPoint,
-    wants_joints: bool,
-    euler: depal_frames::EulerConvention,
-) -> [f64; 6] {
-    if wants_joints {
-        joint_values(&point.joints)
-    } else {
-        pose_values(euler, &point.base_from_tcp)
-    }
-}
-
-/// Velocities are whole percentages; a moving robot never gets 0.
-fn whole_percent(percent: f64) -> i32 {
-    percent.round().clamp(1.0, 100.0) as i32
-}
-
-/// The 21 plan values in their order on the wire; millimetres.
-fn plan_values(data: &VisionMoveData) -> [f64; PLAN_VALUES] {
-    let mut values = [0.0; PLAN_VALUES];
-    for (value, label) in values.iter_mut().zip(data.labels) {
-        *value = f64::from(label);
-    }
-    let offset_mm = data.group_from_tcp_offset * 1e3;
-    let size_mm = data.group_size.to_mm();
-    values[10..].copy_from_slice(&[
-        f64::from(data.picked_total),
-        f64::from(data.picked_now),
-        f64::from(data.edge_or_corner),
-        offset_mm.x,
-        offset_mm.y,
-        offset_mm.z,
-        f64::from(u8::from(data.is_group_square)),
-        f64::from(u8::from(data.is_box_square)),
-        size_mm[0],
-        size_mm[1],
-        size_mm[2],
-    ]);
-    values
 }

@@ -38,8 +38,13 @@ fn tidied(mut values: [f64; 6]) -> [f64; 6] {
         // A nanometre or a millionth of a degree: below it is arithmetic noise, and so is the sign of zero.
         *value = (*value * 1e6).round() / 1e6 + 0.0;
     }
+    never_all_zero(values)
+}
+
+/// The values, unless all six would be printed as zero.
+pub(crate) fn never_all_zero(values: [f64; 6]) -> [f64; 6] {
     if values.iter().all(|v| v.abs() < 0.5 * NOT_QUITE_ZERO) {
-        values = [NOT_QUITE_ZERO; 6];
+        return [NOT_QUITE_ZERO; 6];
     }
     values
 }

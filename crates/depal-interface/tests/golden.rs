@@ -169,6 +169,7 @@ fn project(text: &str) -> VisionProject {
                 .map(|r| r.parse().expect("recipe"))
                 .collect()
         }),
+        ..VisionProject::default()
     }
 }
 
@@ -196,7 +197,9 @@ impl Player {
             projects: value("projects").split(',').map(project).collect(),
             viz: Some(VizProject {
                 branches: branches.collect(),
+                ..VizProject::default()
             }),
+            ..ServerSettings::default()
         };
         let mut player = Self {
             server: Server::new(settings).expect("good settings"),

@@ -1,6 +1,6 @@
 //! Cells: the common middle of all encodings. A message is a row of integers and reals.
 
-use crate::{AsciiTerminator, Encoding, Profile};
+use crate::{AsciiTerminator, Encoding, HexPlanCells, Profile};
 
 /// Why a field could not be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -11,6 +11,8 @@ pub(crate) enum FieldError {
     Unreadable { place: usize, found: String },
     /// A number, but NaN or infinite.
     NotFinite { place: usize },
+    /// A text, which packed cells cannot carry.
+    TextInHex { place: usize },
     /// More fields than the command has.
     Extra { expected: usize, found: usize },
 }
@@ -23,6 +25,12 @@ impl std::fmt::Display for FieldError {
                 write!(f, "field {place}: expected a number, found {found:?}")
             }
             Self::NotFinite { place } => write!(f, "field {place} is not a finite number"),
+            Self::TextInHex { place } => {
+                write!(
+                    f,
+                    "field {place} is a text; this command exists in ASCII only"
+                )
+            }
             Self::Extra { expected, found } => {
                 write!(f, "expected {expected} fields, found {found}")
             }
@@ -128,6 +136,18 @@ impl<'a> CellReader<'a> {
         Ok(values)
     }
 
+    /// The next field as a text that is not empty.
+    pub(crate) fn text(&mut self) -> Result<String, FieldError> {
+        let place = self.read + 1;
+        let Source::Ascii(fields) = &self.source else {
+            return Err(FieldError::TextInHex { place });
+        };
+        let text = fields.get(self.read).filter(|text| !text.is_empty());
+        let text = (*text.ok_or(FieldError::Missing { place })?).to_owned();
+        self.read += 1;
+        Ok(text)
+    }
+
     /// All fields have been read. Always true in HEX.
     pub(crate) fn end(&self) -> Result<(), FieldError> {
         match self.remaining() {
@@ -185,14 +205,16 @@ fn parse_real(text: &str) -> Option<f64> {
 }
 
 /// One value of a message.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Cell {
     /// 32-bit integer.
     Int(i32),
     /// Real: single precision in HEX, decimals of the profile in ASCII.
     Real(f64),
-    /// A whole number that is single precision in HEX and has no point in ASCII.
+    /// A whole number without a point in ASCII; in HEX single precision or an integer, as the profile says.
     Count(f64),
+    /// Text: ASCII only; a zero in HEX.
+    Text(String),
 }
 
 /// Collects the cells of one message.
@@ -215,6 +237,10 @@ impl CellWriter {
         self.cells.push(Cell::Count(value));
     }
 
+    pub(crate) fn text_field(&mut self, value: &str) {
+        self.cells.push(Cell::Text(value.to_owned()));
+    }
+
     pub(crate) fn reals(&mut self, values: &[f64]) {
         for value in values {
             self.real(*value);
@@ -224,7 +250,7 @@ impl CellWriter {
     /// A reply as bytes.
     pub(crate) fn reply_bytes(&self, encoding: Encoding, profile: &Profile) -> Vec<u8> {
         if encoding.is_hex() {
-            let cells = self.hex_bytes(encoding);
+            let cells = self.hex_bytes(encoding, profile.hex_plan_cells);
             let length = profile.hex_reply_len(cells.len());
             return padded(cells, length);
         }
@@ -244,7 +270,7 @@ impl CellWriter {
     /// A request as bytes, as robots send it: six decimals and CR, or a padded frame.
     pub(crate) fn request_bytes(&self, encoding: Encoding, profile: &Profile) -> Vec<u8> {
         if encoding.is_hex() {
-            let cells = self.hex_bytes(encoding);
+            let cells = self.hex_bytes(encoding, profile.hex_plan_cells);
             let length = profile.hex_request_len.max(cells.len());
             return padded(cells, length);
         }
@@ -266,17 +292,22 @@ impl CellWriter {
                 Cell::Int(value) => value.to_string(),
                 Cell::Real(value) => real(*value),
                 Cell::Count(value) => format!("{value:.0}"),
+                Cell::Text(value) => value.clone(),
             })
             .collect();
         fields.join(",")
     }
 
-    fn hex_bytes(&self, encoding: Encoding) -> Vec<u8> {
+    fn hex_bytes(&self, encoding: Encoding, counts: HexPlanCells) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(self.cells.len() * 4);
         for cell in &self.cells {
             let mut word = match cell {
                 Cell::Int(value) => value.to_le_bytes(),
+                Cell::Count(value) if counts == HexPlanCells::IntegerCounts => {
+                    (*value as i32).to_le_bytes()
+                }
                 Cell::Real(value) | Cell::Count(value) => (*value as f32).to_le_bytes(),
+                Cell::Text(_) => [0; 4],
             };
             if encoding == Encoding::HexBigEndian {
                 word.reverse();

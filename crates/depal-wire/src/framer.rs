@@ -2,7 +2,7 @@
 
 use depal_time::{SimDuration, SimTime};
 
-use crate::Encoding;
+use crate::{Encoding, Request};
 
 /// An unterminated ASCII command is complete after this silence: old clients send no terminator.
 pub const LINE_SILENCE: SimDuration = SimDuration::from_millis(50);
@@ -37,7 +37,8 @@ pub enum Frame {
 /// Later requests end with the latched length at once.
 #[derive(Debug, Clone)]
 pub struct Framer {
-    encoding: Encoding,
+    /// Unknown while a detecting framer has not seen enough.
+    encoding: Option<Encoding>,
     default_hex_len: usize,
     latched_hex_len: Option<usize>,
     buffer: Vec<u8>,
@@ -48,12 +49,26 @@ impl Framer {
     /// For a fresh connection. `hex_request_len` is the profile's; it holds until a burst shows another.
     pub fn new(encoding: Encoding, hex_request_len: usize) -> Self {
         Self {
-            encoding,
+            encoding: Some(encoding),
             default_hex_len: hex_request_len.clamp(SHORTEST_HEX, LONGEST_HEX),
             latched_hex_len: None,
             buffer: Vec::new(),
             last_byte_at: SimTime::ZERO,
         }
+    }
+
+    /// For a fresh connection whose encoding is found out from its first bytes: all printable is ASCII,
+    /// else the byte order under which the first cell is a known command, least significant byte first if none.
+    pub fn detecting(hex_request_len: usize) -> Self {
+        Self {
+            encoding: None,
+            ..Self::new(Encoding::Ascii, hex_request_len)
+        }
+    }
+
+    /// The encoding of the connection, as soon as it is known.
+    pub fn encoding(&self) -> Option<Encoding> {
+        self.encoding
     }
 
     /// Takes what arrived.
@@ -71,10 +86,36 @@ impl Framer {
 
     /// The next frame, if one is complete at `now`.
     pub fn poll_frame(&mut self, now: SimTime) -> Option<Frame> {
-        if self.encoding.is_hex() {
-            self.poll_hex(now)
-        } else {
-            self.poll_line(now)
+        if self.encoding.is_none() {
+            self.encoding = self.detect(now);
+        }
+        match self.encoding {
+            None => None,
+            Some(Encoding::Ascii) => self.poll_line(now),
+            Some(_) => self.poll_hex(now),
+        }
+    }
+
+    /// Two bytes tell text from cells, because no command number fills the first two bytes of a cell with
+    /// printable characters; four bytes tell the byte order. Silence decides with what there is.
+    fn detect(&self, now: SimTime) -> Option<Encoding> {
+        let is_text = |b: &u8| matches!(b, b' '..=b'~' | b'\r' | b'\n' | b'\t');
+        let silent = self.is_silent(now);
+        match self.buffer.as_slice() {
+            [] => None,
+            [first, second, ..] if is_text(first) && is_text(second) => Some(Encoding::Ascii),
+            [first] if is_text(first) => silent.then_some(Encoding::Ascii),
+            [a, b, c, d, ..] => {
+                let big = i32::from_be_bytes([*a, *b, *c, *d]);
+                let little = i32::from_le_bytes([*a, *b, *c, *d]);
+                let is_big = Request::is_known(big) && !Request::is_known(little);
+                Some(if is_big {
+                    Encoding::HexBigEndian
+                } else {
+                    Encoding::HexLittleEndian
+                })
+            }
+            _ => silent.then_some(Encoding::HexLittleEndian),
         }
     }
 
@@ -88,7 +129,7 @@ impl Framer {
     }
 
     fn silence(&self) -> SimDuration {
-        if self.encoding.is_hex() {
+        if self.encoding.is_some_and(Encoding::is_hex) {
             HEX_SILENCE
         } else {
             LINE_SILENCE

@@ -22,8 +22,7 @@
 //! The angles of a pose stay in the brand's own order here: their meaning is the server's business.
 //! Numbers in HEX are single precision.
 //!
-//! Not yet here: commands 100, 104 to 106, 110, 111, 200, 204, 207, 208, 502 to 507, 601, 701,
-//! the PLC data block, and profiles other than 1.8. They decode as [`Request::Unknown`].
+//! Commands 503 to 507 carry text and exist in ASCII only. Not here: the PLC data block.
 
 mod cells;
 mod command;
@@ -35,22 +34,40 @@ mod reply;
 mod request;
 mod status;
 
+pub use command::c100_run_vision::RunVision;
 pub use command::c101_start_vision::{RobotPosePayload, StartVision};
 pub use command::c102_get_vision_points::GetVisionPoints;
 pub use command::c103_switch_recipe::SwitchRecipe;
+pub use command::c104_switch_solution::SwitchSolution;
+pub use command::c105_get_vision_path::GetVisionPath;
+pub use command::c106_get_vision_do_list::GetVisionDoList;
+pub use command::c110_get_custom_data::{CustomPoint, GetCustomData};
+pub use command::c111_get_vision_plan_data::GetVisionPlanData;
+pub use command::c200_run_viz::RunViz;
 pub use command::c201_start_viz::{StartViz, VizStartPayload};
 pub use command::c202_stop_viz::StopViz;
 pub use command::c203_set_branch::SetBranch;
+pub use command::c204_set_index::SetIndex;
 pub use command::c205_get_viz_path::GetVizPath;
 pub use command::c206_get_do_list::{DO_LIST_LEN, DoList, GetDoList};
+pub use command::c207_read_parameter::ReadParameter;
+pub use command::c208_write_parameter::WriteParameter;
 pub use command::c210_get_plan_data::{GetPlanData, PLAN_VALUES, PlanPoint, VisionMoveCells};
 pub use command::c501_set_box_size::SetBoxSize;
-pub use command::c901_get_state::GetState;
+pub use command::c502_set_outer_pose::SetOuterPose;
+pub use command::c503_set_input_pose::SetInputPose;
+pub use command::c504_set_number::SetNumber;
+pub use command::c505_set_numbers::SetNumbers;
+pub use command::c506_set_text::SetText;
+pub use command::c507_set_texts::SetTexts;
+pub use command::c601_get_notify::GetNotify;
+pub use command::c701_calibrate::{Calibrate, CalibrationPoint};
+pub use command::c901_get_state::{GetState, StateFields};
 pub use command::point_list::{PointList, PointRecord};
 pub use encoding::Encoding;
 pub use error::{ReplyError, RequestError};
 pub use framer::{Frame, Framer, HEX_SILENCE, LINE_SILENCE, MAX_LINE};
-pub use profile::{AsciiTerminator, HexReplyLength, PointCell8, Profile};
+pub use profile::{AsciiTerminator, HexPlanCells, HexReplyLength, PointCell8, Profile, StateReply};
 pub use reply::Reply;
 pub use request::Request;
 pub use status::Status;

@@ -29,6 +29,24 @@ pub enum PointCell8 {
     ToolId,
 }
 
+/// What 901 answers when all is well.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StateReply {
+    /// 1101 alone.
+    Ready,
+    /// 9100 and three fields, from version 2.2.
+    Fields,
+}
+
+/// How the whole numbers among the 21 plan values are packed in HEX; no source says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HexPlanCells {
+    /// All 21 in single precision, as the PLC data block has them.
+    SinglePrecision,
+    /// Labels, counts and orientations as integers, the rest in single precision.
+    IntegerCounts,
+}
+
 /// The output side of one product version: every line is its own switch.
 ///
 /// Input is accepted in all variants whatever the profile says.
@@ -50,6 +68,14 @@ pub struct Profile {
     pub pose_cap: usize,
     /// Meaning of a record's eighth cell.
     pub point_cell8: PointCell8,
+    /// What 901 answers.
+    pub state_reply: StateReply,
+    /// The reply to 111 has a velocity cell.
+    pub has_vision_plan_velocity: bool,
+    /// Packed form of the plan values.
+    pub hex_plan_cells: HexPlanCells,
+    /// In 210, waypoints that are no Vision Move end with a custom count of 0 instead of the velocity.
+    pub pads_plan_points: bool,
 }
 
 impl Profile {
@@ -64,7 +90,65 @@ impl Profile {
             hex_reply: HexReplyLength::Fixed,
             pose_cap: 20,
             point_cell8: PointCell8::Velocity,
+            state_reply: StateReply::Ready,
+            has_vision_plan_velocity: true,
+            hex_plan_cells: HexPlanCells::SinglePrecision,
+            pads_plan_points: false,
         }
+    }
+
+    /// Version 1.5 and older: short requests, no terminator, a comma after the last field.
+    pub fn v1_5() -> Self {
+        Self {
+            name: "v1_5",
+            ascii_terminator: AsciiTerminator::None,
+            ascii_trailing_comma: true,
+            hex_request_len: 56,
+            ..Self::v1_8()
+        }
+    }
+
+    /// Versions 1.6 and 1.7: the output is that of 1.8.
+    pub fn v1_7() -> Self {
+        Self {
+            name: "v1_7",
+            ..Self::v1_8()
+        }
+    }
+
+    /// Versions 2.0 and 2.1: records end with the tool id.
+    pub fn v2_1() -> Self {
+        Self {
+            name: "v2_1",
+            point_cell8: PointCell8::ToolId,
+            ..Self::v1_8()
+        }
+    }
+
+    /// Version 2.2: 901 answers with fields, 111 without velocity.
+    pub fn v2_2() -> Self {
+        Self {
+            name: "v2_2",
+            state_reply: StateReply::Fields,
+            has_vision_plan_velocity: false,
+            ..Self::v2_1()
+        }
+    }
+
+    /// All profiles, oldest first.
+    pub fn all() -> [Self; 5] {
+        [
+            Self::v1_5(),
+            Self::v1_7(),
+            Self::v1_8(),
+            Self::v2_1(),
+            Self::v2_2(),
+        ]
+    }
+
+    /// The profile of a name as in [`Profile::name`].
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::all().into_iter().find(|profile| profile.name == name)
     }
 
     /// Bytes of a HEX reply whose cells take `cell_bytes`.

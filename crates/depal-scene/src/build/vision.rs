@@ -106,6 +106,7 @@ pub(super) fn server(scene: &Scene) -> ServerSettings {
         id: i32::from(project.id),
         recipes: project.recipes.iter().map(|r| i32::from(r.id)).collect(),
         output: OutputPort::Poses,
+        ..ServedProject::default()
     });
     let branches = scene
         .viz
@@ -123,7 +124,9 @@ pub(super) fn server(scene: &Scene) -> ServerSettings {
         projects: projects.collect(),
         viz: Some(VizProject {
             branches: branches.collect(),
+            ..VizProject::default()
         }),
+        ..ServerSettings::default()
     }
 }
 

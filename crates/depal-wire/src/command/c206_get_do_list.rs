@@ -21,22 +21,29 @@ pub struct GetDoList {
 
 impl RequestBody for GetDoList {
     fn decode(cells: &mut CellReader<'_>) -> Result<Self, BodyError> {
-        if cells.remaining() == Some(0) {
-            return Ok(Self { sections: None });
-        }
-        match cells.int()? {
-            0 => Ok(Self { sections: None }),
-            n @ 1..=64 => Ok(Self { sections: Some(n) }),
-            n => Err(BodyError::wrong_format(format!(
-                "gripper sections: expected 1 to 64, found {n}"
-            ))),
-        }
+        Ok(Self {
+            sections: read_sections(cells)?,
+        })
     }
 
     fn encode(&self, cells: &mut CellWriter) {
         if let Some(sections) = self.sections {
             cells.int(sections);
         }
+    }
+}
+
+/// Sections of the gripper: absent, 0 for absent, or 1 to 64.
+pub(crate) fn read_sections(cells: &mut CellReader<'_>) -> Result<Option<i32>, BodyError> {
+    if cells.remaining() == Some(0) {
+        return Ok(None);
+    }
+    match cells.int()? {
+        0 => Ok(None),
+        n @ 1..=64 => Ok(Some(n)),
+        n => Err(BodyError::wrong_format(format!(
+            "gripper sections: expected 1 to 64, found {n}"
+        ))),
     }
 }
 

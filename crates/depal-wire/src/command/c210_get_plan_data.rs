@@ -38,7 +38,7 @@ impl RequestBody for GetPlanData {
     }
 }
 
-/// One waypoint in the reply to 210.
+/// One waypoint in the reply to 210 or 111.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanPoint {
     /// No more waypoints follow.
@@ -49,7 +49,7 @@ pub struct PlanPoint {
     pub move_type: i32,
     /// Tool id, -1 for none.
     pub tool: i32,
-    /// Velocity, percent.
+    /// Velocity, percent; 0 where the profile leaves the cell out.
     pub velocity_percent: i32,
     /// Present for a Vision Move waypoint.
     pub vision_move: Option<VisionMoveCells>,
@@ -64,14 +64,30 @@ pub struct VisionMoveCells {
     pub custom: Vec<f64>,
 }
 
+/// Which cells a waypoint has, by command, format and profile.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlanForm {
+    /// The velocity cell.
+    pub(crate) has_velocity: bool,
+    /// The 21 plan values of a Vision Move.
+    pub(crate) has_plan: bool,
+    /// A custom count of 0 for waypoints that are no Vision Move.
+    pub(crate) pads_others: bool,
+}
+
 impl PlanPoint {
-    pub(crate) fn encode(&self, cells: &mut CellWriter) {
+    pub(crate) fn encode(&self, form: PlanForm, cells: &mut CellWriter) {
         cells.int(i32::from(self.is_last));
         cells.int(i32::from(self.vision_move.is_some()));
         cells.reals(&self.values);
         cells.int(self.move_type);
         cells.int(self.tool);
-        cells.int(self.velocity_percent);
+        if form.has_velocity {
+            cells.int(self.velocity_percent);
+        }
+        if self.vision_move.is_none() && form.pads_others {
+            cells.int(0);
+        }
         if let Some(vision_move) = &self.vision_move {
             if let Some(plan) = &vision_move.plan {
                 for (index, value) in plan.iter().enumerate() {
@@ -87,15 +103,15 @@ impl PlanPoint {
         }
     }
 
-    pub(crate) fn decode(format: i32, cells: &mut CellReader<'_>) -> Result<Self, FieldError> {
+    pub(crate) fn decode(form: PlanForm, cells: &mut CellReader<'_>) -> Result<Self, FieldError> {
         let is_last = cells.int()? != 0;
         let is_vision_move = cells.int()? == 1;
         let values = cells.reals()?;
         let move_type = cells.int()?;
         let tool = cells.int()?;
-        let velocity_percent = cells.int()?;
+        let velocity_percent = if form.has_velocity { cells.int()? } else { 0 };
         let vision_move = if is_vision_move {
-            let plan = if matches!(format, 3 | 4) {
+            let plan = if form.has_plan {
                 Some(cells.reals()?)
             } else {
                 None
@@ -104,6 +120,9 @@ impl PlanPoint {
             let custom = (0..count).map(|_| cells.real()).collect::<Result<_, _>>()?;
             Some(VisionMoveCells { plan, custom })
         } else {
+            if form.pads_others {
+                cells.int()?;
+            }
             None
         };
         Ok(Self {
