@@ -45,6 +45,7 @@ section! {
         /// Default: the air above the pallet, 150 mm over its edges, 30 mm below its deck.
         region_xyz_mm: Option<[f64; 3]>, Maybe(Numbers::<3>(COORDINATE_MM)), default(None);
         /// Size of that box along the world's axes, mm.
+        /// Default: see `region_xyz_mm`.
         region_size_mm: Option<[f64; 3]>, Maybe(Numbers::<3>(LENGTH_MM)), default(None);
         /// What a command can switch it to.
         /// Default: nothing to switch to.

@@ -59,7 +59,7 @@ fn typical_mistakes() {
             "kind = \"pallet_pattern\", patern",
             &[],
         ),
-        told("kind = \"go\", bits = 4", "kind = \"go\", bits = 3", &[]),
+        told("kind = \"go\", bits = 16", "kind = \"go\", bits = 3", &[]),
         told(
             "look_at_mm = [1700, 0, 0]",
             "rpy_deg = [180, 0, 90]\nlook_at_mm = [1700, 0, 0]",
@@ -97,7 +97,7 @@ fn typical_mistakes() {
 fn all_problems_of_a_file_come_at_once_in_the_order_of_the_text() {
     let text = DEMO
         .replace("layers = 6", "layers = 0")
-        .replace("exposure_s = 0.6", "exposure = 0.6")
+        .replace("exposure_s = 0.5", "exposure = 0.5")
         .replace("pose_cap = 20", "pose_cap = \"many\"");
     let errors = load(&text, &[("run.max_sim_s", "0")]).unwrap_err();
     let keys: Vec<&str> = errors
