@@ -13,7 +13,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use depal_interface::{ConnectionId, LogEntry, PortId};
+use depal_interface::{ConnectionId, Encoding, LogEntry, PortId};
 use depal_time::{SimTime, TICK};
 use depal_world::World;
 
@@ -120,6 +120,12 @@ impl Station {
             log: VecDeque::new(),
             events: VecDeque::new(),
         })
+    }
+
+    /// How each port speaks.
+    pub fn encodings(&self) -> Vec<Encoding> {
+        let port = |lane: &Lane| lane.spec.interface.ports[0].encoding;
+        self.lanes.iter().map(port).collect()
     }
 
     /// Ticks so far.
