@@ -499,7 +499,7 @@ impl Cell {
 }
 
 /// World poses of the links and of the tool centre point.
-fn arm_poses(spec: &CellSpec, joints: &JointPositions) -> (Vec<Pose>, Pose) {
+pub(crate) fn arm_poses(spec: &CellSpec, joints: &JointPositions) -> (Vec<Pose>, Pose) {
     let links = spec
         .arm
         .base_from_links(joints)
@@ -525,7 +525,7 @@ fn check_wiring(spec: &CellSpec, controller: &Controller) -> Result<(), CellErro
 }
 
 /// Everything in view, with its surface.
-fn render_shapes(world: &World) -> Vec<RenderShape> {
+pub(crate) fn render_shapes(world: &World) -> Vec<RenderShape> {
     world
         .visible_shapes()
         .into_iter()

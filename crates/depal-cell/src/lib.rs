@@ -8,9 +8,13 @@
 //!
 //! Units: SI, radians and simulated time; the event log has mm and degrees in its keys.
 //!
-//! Limitations: one arm, one camera, one vision server with one port, in process.
+//! A [`station::Station`] is the vision side alone: the same cell at rest, for robots that come over a
+//! network; one session a port, and no robot program.
+//!
+//! Limitations: one arm, one camera; a cell with a robot program has one port, in process.
 
 pub mod cell;
+mod computing;
 mod digest;
 pub mod error;
 pub mod event;
@@ -22,5 +26,6 @@ mod picture;
 mod planning;
 pub mod score;
 pub mod spec;
+pub mod station;
 pub mod truth;
 mod vision_side;

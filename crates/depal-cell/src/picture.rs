@@ -12,6 +12,7 @@ use crate::spec::{CellSpec, VisionProject};
 use crate::truth::{PICKABLE_FRACTION, TrueCarton, match_reports, visible_fraction};
 
 /// What the camera could see at the instant of exposure, and the truth about it.
+#[derive(Debug, Clone)]
 pub(crate) struct Seen {
     /// Every solid in view.
     pub(crate) shapes: Vec<RenderShape>,

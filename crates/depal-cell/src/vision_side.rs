@@ -5,9 +5,10 @@ use depal_frames::{BoxSize, JointPositions};
 use depal_interface::{
     Direction, Job, JobId, Motion, PathPoint, PortId, Server, Status, VisionPoint, VizPath,
 };
-use depal_time::SimTime;
+use depal_time::{SimTime, TICK};
 use depal_workflow::{Ask, Engine, MoveMotion, Piece};
 
+use crate::computing::{Computing, Elsewhere};
 use crate::error::CellError;
 use crate::event::{EventKind, FailureReason};
 use crate::link::{Link, ToServer};
@@ -22,7 +23,7 @@ const PORT: PortId = PortId(0);
 
 /// Who waits for a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Owner {
+pub(crate) enum Owner {
     /// A run of a vision project (command 101).
     Vision(JobId),
     /// The run of the planning project (command 201).
@@ -30,7 +31,7 @@ enum Owner {
 }
 
 /// Work whose simulated time runs.
-enum Work {
+pub(crate) enum Work {
     /// The shutter opens at its due time.
     Exposure {
         owner: Owner,
@@ -40,6 +41,8 @@ enum Work {
     Poses { owner: Owner, picture: Picture },
     /// The path is there at its due time.
     Path { job_id: JobId, planned: Planned },
+    /// Poses or a path that are computed elsewhere meanwhile.
+    Computing { owner: Owner, result: Computing },
 }
 
 /// A run of the planning project.
@@ -61,7 +64,7 @@ struct PlannedPick {
 
 /// The vision computer of a cell.
 pub(crate) struct VisionSide {
-    server: Server,
+    pub(crate) server: Server,
     engine: Engine<PlannedPick>,
     viz: Option<VizRun>,
     work: Vec<(SimTime, Work)>,
@@ -72,6 +75,8 @@ pub(crate) struct VisionSide {
     /// Status codes of the replies to the last exchange: what a program that stops has heard.
     last_status: Option<i32>,
     stopwatch: fn() -> f64,
+    /// Where long computing is done; absent: here and now.
+    pub(crate) elsewhere: Option<Elsewhere>,
 }
 
 impl VisionSide {
@@ -90,6 +95,7 @@ impl VisionSide {
             last_failure: None,
             last_status: None,
             stopwatch,
+            elsewhere: None,
         })
     }
 
@@ -161,7 +167,8 @@ impl VisionSide {
         }
     }
 
-    fn take_jobs(
+    /// Starts the work that the server asks for.
+    pub(crate) fn take_jobs(
         &mut self,
         now: SimTime,
         spec: &CellSpec,
@@ -223,7 +230,9 @@ impl VisionSide {
             self.viz = None;
             self.engine.stop();
             self.work.retain(|(_, work)| match work {
-                Work::Exposure { owner, .. } | Work::Poses { owner, .. } => {
+                Work::Exposure { owner, .. }
+                | Work::Poses { owner, .. }
+                | Work::Computing { owner, .. } => {
                     *owner != Owner::Viz(job_id)
                 }
                 Work::Path { job_id: other, .. } => *other != job_id,
@@ -262,6 +271,18 @@ impl VisionSide {
                 let Some(picture) = &run.picture else {
                     return;
                 };
+                if let Some(elsewhere) = &self.elsewhere {
+                    let (picture, start) = (picture.clone(), run.start);
+                    let (picked, stopwatch) = (self.picks_planned, self.stopwatch);
+                    let result = elsewhere.compute(move |spec, score, events| {
+                        let planned = plan(spec, &picture, start, picked, stopwatch, score, events);
+                        Work::Path { job_id, planned }
+                    });
+                    let owner = Owner::Viz(job_id);
+                    let due = (now + spec.latencies.planning).max(now + TICK);
+                    self.work.push((due, Work::Computing { owner, result }));
+                    return;
+                }
                 let planned = plan(
                     spec,
                     picture,
@@ -322,7 +343,41 @@ impl VisionSide {
             .any(|(due, work)| *due <= now && matches!(work, Work::Exposure { .. }))
     }
 
-    /// Carries out the work that is due.
+    /// When the next work is due, if any runs.
+    pub(crate) fn next_due(&self) -> Option<SimTime> {
+        self.work.iter().map(|(due, _)| *due).min()
+    }
+
+    /// Whether a result that has to be handed over by `now` is still being computed elsewhere.
+    pub(crate) fn is_computing(&mut self, now: SimTime) -> bool {
+        let mut is_missing = false;
+        for (due, work) in &mut self.work {
+            if let (true, Work::Computing { result, .. }) = (*due <= now, work) {
+                is_missing |= !result.is_there();
+            }
+        }
+        is_missing
+    }
+
+    /// The computing for a run came to nothing: the robot hears it, and the server goes on.
+    fn give_up(&mut self, now: SimTime, owner: Owner) {
+        match owner {
+            Owner::Vision(job_id) => {
+                let outcome = Err(Status::VisionExecutionError);
+                self.server.finish_vision(now, job_id, outcome);
+            }
+            Owner::Viz(job_id) => {
+                if self.viz.as_ref().is_some_and(|run| run.job_id == job_id) {
+                    self.viz = None;
+                    self.engine.stop();
+                    let outcome = Err(Status::VizRuntimeError);
+                    self.server.finish_viz(now, job_id, outcome);
+                }
+            }
+        }
+    }
+
+    /// Carries out the work that is due. Waits for what is still being computed elsewhere.
     pub(crate) fn advance(
         &mut self,
         now: SimTime,
@@ -333,12 +388,42 @@ impl VisionSide {
         observers: &mut [&mut dyn Observer],
     ) {
         while let Some(index) = self.work.iter().position(|(due, _)| *due <= now) {
-            let (_, work) = self.work.remove(index);
+            let (_, mut work) = self.work.remove(index);
+            if let Work::Computing { owner, result } = work {
+                let Some(computed) = result.wait() else {
+                    self.give_up(now, owner);
+                    continue;
+                };
+                events.extend(computed.events);
+                work = computed.work;
+            }
             match work {
+                Work::Computing { .. } => {}
                 Work::Exposure { owner, project } => {
                     let Some(seen) = seen else {
                         continue;
                     };
+                    if let Some(elsewhere) = &self.elsewhere {
+                        let (seen, frame) = (seen.clone(), self.frames);
+                        let stopwatch = self.stopwatch;
+                        let result = elsewhere.compute(move |spec, score, events| {
+                            let picture = take_picture(
+                                spec,
+                                &project,
+                                frame,
+                                now,
+                                &seen,
+                                stopwatch,
+                                score,
+                                events,
+                                &mut [],
+                            );
+                            Work::Poses { owner, picture }
+                        });
+                        let due = (now + spec.latencies.vision).max(now + TICK);
+                        self.work.push((due, Work::Computing { owner, result }));
+                        continue;
+                    }
                     let picture = take_picture(
                         spec,
                         &project,

@@ -155,6 +155,12 @@ impl Server {
         self.sessions.iter().filter_map(Session::poll_timeout).min()
     }
 
+    /// Whether a command of this client waits for a run to end; what it sends meanwhile waits, too.
+    pub fn is_waiting(&self, port: PortId, connection: ConnectionId) -> bool {
+        let session = self.sessions.get(usize::from(port.0));
+        session.is_some_and(|session| session.is_waiting(connection))
+    }
+
     fn session(&mut self, port: PortId) -> Option<&mut Session> {
         self.sessions.get_mut(usize::from(port.0))
     }

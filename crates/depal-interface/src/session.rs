@@ -224,7 +224,7 @@ impl Session {
         }
     }
 
-    fn is_waiting(&self, connection: ConnectionId) -> bool {
+    pub(crate) fn is_waiting(&self, connection: ConnectionId) -> bool {
         self.waiting.iter().any(|w| w.connection == connection)
     }
 

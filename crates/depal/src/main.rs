@@ -8,6 +8,8 @@ mod progress;
 mod replay;
 mod replay_setup;
 mod run;
+mod serve;
+mod serve_log;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -47,6 +49,12 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         png: Option<PathBuf>,
     },
+    /// Be the vision server of a scene: robots and other clients connect over TCP.
+    ///
+    /// Try it with netcat: depal serve --listen ascii=127.0.0.1:50000, then nc 127.0.0.1 50000 and type 901.
+    /// Ends at Ctrl-C or SIGTERM. Exit codes: 0 ended as told, or the replay is equal; 1 the replay differs;
+    /// 2 bad input; 3 the machine does not let us (port in use, disk full).
+    Serve(ServeArgs),
 }
 
 #[derive(Args, Default)]
@@ -70,12 +78,38 @@ struct RunArgs {
     no_recording: bool,
 }
 
+#[derive(Args)]
+struct ServeArgs {
+    /// Scene file; the built-in demo if left out.
+    scene: Option<PathBuf>,
+    /// A port: KIND is ascii, hex-le or hex-be. ADDR may be left out: then only this computer can connect.
+    /// May be given many times; each is a session of its own. If left out, the scene's own port.
+    #[arg(long, value_name = "KIND=ADDR:PORT")]
+    listen: Vec<String>,
+    /// Print one line of JSON on stdout when ready: which kind listens where.
+    #[arg(long)]
+    json: bool,
+    /// Override a key of the scene, as in interface.brand=fanuc. May be given many times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Show the raw bytes next to what they mean.
+    #[arg(short, long)]
+    verbose: bool,
+    /// Record everything received and sent to this file, as JSON lines.
+    #[arg(long, value_name = "FILE")]
+    journal: Option<PathBuf>,
+    /// Answer a journal again, without sockets, and tell the first difference.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["listen", "journal"])]
+    replay: Option<PathBuf>,
+}
+
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         None => run::demo(),
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Check { files }) => check::check(&files),
         Some(Command::Replay { recording, png }) => replay::replay(&recording, png.as_deref()),
+        Some(Command::Serve(args)) => serve::serve(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -38,7 +38,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
 }
 
 fn run_scene(args: &RunArgs) -> Result<PathBuf, Failure> {
-    let scene = load_scene(args)?;
+    let scene = load_scene(args.scene.as_deref(), &args.set, args.seed)?;
     let built = scene
         .build()
         .map_err(|error| Failure::Input(explain(&error)))?;
@@ -91,9 +91,13 @@ fn run_scene(args: &RunArgs) -> Result<PathBuf, Failure> {
     verdict(&report, &outcome).map(|()| folder.into_path())
 }
 
-fn load_scene(args: &RunArgs) -> Result<Scene, Failure> {
-    let overrides = args
-        .set
+/// Loads a scene file, or the built-in demo, with overrides as KEY=VALUE.
+pub fn load_scene(
+    file: Option<&Path>,
+    set: &[String],
+    seed: Option<u64>,
+) -> Result<Scene, Failure> {
+    let overrides = set
         .iter()
         .map(|text| {
             text.split_once('=')
@@ -105,9 +109,9 @@ fn load_scene(args: &RunArgs) -> Result<Scene, Failure> {
                 })
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let scene = match &args.scene {
-        None => Scene::demo(&overrides, args.seed),
-        Some(path) => Scene::load_file(&path.to_string_lossy(), &overrides, args.seed),
+    let scene = match file {
+        None => Scene::demo(&overrides, seed),
+        Some(path) => Scene::load_file(&path.to_string_lossy(), &overrides, seed),
     };
     scene.map_err(|errors| Failure::Input(errors.to_string()))
 }
@@ -166,7 +170,7 @@ fn verdict(report: &Report, outcome: &RunOutcome) -> Result<(), Failure> {
 }
 
 /// Wall seconds since the first call. Feeds the report's computing times and nothing else.
-fn wall_seconds() -> f64 {
+pub fn wall_seconds() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     START.get_or_init(Instant::now).elapsed().as_secs_f64()
 }

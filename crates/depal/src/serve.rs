@@ -1,0 +1,268 @@
+//! `depal serve`: the vision server of a scene, for clients that come over TCP.
+
+use std::fs::File;
+use std::io::Write as _;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, ToSocketAddrs};
+use std::path::PathBuf;
+
+use depal_cell::spec::CellSpec;
+use depal_cell::station::{Errands, Station, StationReply};
+use depal_interface::{Encoding, PortSettings};
+use depal_net::journal::{FORMAT, Header, Journal, Recorded, read};
+use depal_net::{Limits, NetError, Stop, bind, compute_at_once, compute_on_thread, replay};
+use serde_json::json;
+
+use crate::ServeArgs;
+use crate::failure::Failure;
+use crate::run::{explain, load_scene, wall_seconds};
+use crate::serve_log::ServeLog;
+
+/// One `--listen`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Listen {
+    encoding: Encoding,
+    address: SocketAddr,
+}
+
+/// Serves until told to stop, or replays a journal.
+pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
+    if args.replay.is_some() {
+        return answer_again(args);
+    }
+    let mut listens = args
+        .listen
+        .iter()
+        .map(|text| parse_listen(text))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut spec = cell_spec(args.scene.as_ref(), &args.set)?;
+    if listens.is_empty() {
+        let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), spec.port);
+        let encoding = own_port(&spec).encoding;
+        listens.push(Listen { encoding, address });
+    }
+    let addresses: Vec<SocketAddr> = listens.iter().map(|listen| listen.address).collect();
+    let ports = bind(&addresses).map_err(environment)?;
+    let encodings: Vec<Encoding> = listens.iter().map(|listen| listen.encoding).collect();
+    open_sessions(&mut spec, &encodings);
+
+    let journal = open_journal(args, &spec, &encodings)?;
+    let errands = compute_on_thread().map_err(environment)?;
+    let station = station(spec, errands)?;
+
+    let names: Vec<String> = encodings
+        .iter()
+        .zip(ports.addresses())
+        .map(|(encoding, address)| format!("{}:{}", encoding.name(), address.port()))
+        .collect();
+    announce(args, &encodings, ports.addresses())?;
+    let log = ServeLog::start(names, args.verbose)?;
+    let notices = log.notices();
+    let served = depal_net::serve(
+        ports,
+        station,
+        Limits::default(),
+        notices,
+        journal,
+        Stop::on_signals(),
+    );
+    log.finish();
+    served.map_err(environment)
+}
+
+/// KIND=ADDR:PORT; the address may be left out.
+fn parse_listen(text: &str) -> Result<Listen, Failure> {
+    let input = |message: String| Failure::Input(format!("--listen {text}: {message}"));
+    let (kind, place) = text.split_once('=').ok_or_else(|| {
+        input("expected KIND=ADDR:PORT, as in ascii=127.0.0.1:50000".to_owned())
+    })?;
+    let encoding = Encoding::from_name(&kind.to_ascii_lowercase()).ok_or_else(|| {
+        let kinds = "expected ascii, hex-le or hex-be";
+        match kind {
+            "s7" | "s7-server" => input(format!("{kinds}; kind {kind} is not served yet")),
+            _ => input(format!("{kinds}, found {kind:?}")),
+        }
+    })?;
+    let bad_place = || {
+        input(format!(
+            "expected ADDR:PORT or PORT, as in 127.0.0.1:50000, found {place:?}"
+        ))
+    };
+    let port_alone = place.strip_prefix(':').unwrap_or(place).parse::<u16>();
+    let address = match port_alone {
+        Ok(port) => SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port),
+        Err(_) => place
+            .to_socket_addrs()
+            .map_err(|_| bad_place())?
+            .next()
+            .ok_or_else(bad_place)?,
+    };
+    Ok(Listen { encoding, address })
+}
+
+fn cell_spec(scene: Option<&PathBuf>, set: &[String]) -> Result<CellSpec, Failure> {
+    load_scene(scene.map(PathBuf::as_path), set, None)?
+        .cell_spec()
+        .map_err(|error| Failure::Input(explain(&error)))
+}
+
+/// The settings of the scene's own port.
+fn own_port(spec: &CellSpec) -> PortSettings {
+    spec.interface.ports.first().cloned().unwrap_or_default()
+}
+
+/// One session for each kind; all else as the scene says.
+fn open_sessions(spec: &mut CellSpec, encodings: &[Encoding]) {
+    let own = own_port(spec);
+    let session = |encoding: &Encoding| PortSettings {
+        encoding: *encoding,
+        ..own.clone()
+    };
+    spec.interface.ports = encodings.iter().map(session).collect();
+}
+
+fn station(spec: CellSpec, errands: Errands) -> Result<Station, Failure> {
+    Station::new(spec, wall_seconds, errands).map_err(|error| Failure::Input(error.to_string()))
+}
+
+fn open_journal(
+    args: &ServeArgs,
+    spec: &CellSpec,
+    encodings: &[Encoding],
+) -> Result<Option<Journal>, Failure> {
+    let Some(path) = &args.journal else {
+        return Ok(None);
+    };
+    let header = Header {
+        journal: FORMAT,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        scene: spec.scene.clone(),
+        file: args
+            .scene
+            .as_ref()
+            .map(|file| file.to_string_lossy().into_owned()),
+        set: args.set.clone(),
+        ports: encodings.iter().map(|e| e.name().to_owned()).collect(),
+    };
+    let failed = |error: std::io::Error| {
+        Failure::Environment(format!(
+            "cannot write the journal {}: {error}",
+            path.display()
+        ))
+    };
+    let file = File::create(path).map_err(failed)?;
+    let journal = Journal::start(Box::new(file), &header).map_err(failed)?;
+    Ok(Some(journal))
+}
+
+/// The ready line.
+fn announce(
+    args: &ServeArgs,
+    encodings: &[Encoding],
+    addresses: &[SocketAddr],
+) -> Result<(), Failure> {
+    let listening = || encodings.iter().zip(addresses);
+    for (encoding, address) in listening() {
+        eprintln!("{} on {address}", encoding.name());
+    }
+    if let Some((_, address)) = listening().find(|(encoding, _)| !encoding.is_hex()) {
+        let (host, port) = (address.ip(), address.port());
+        eprintln!("try: nc {host} {port}, then type 901; Ctrl-C ends the server");
+    }
+    if args.json {
+        let list: Vec<_> = listening()
+            .map(|(encoding, address)| json!({"kind": encoding.name(), "addr": address.to_string()}))
+            .collect();
+        let mut out = std::io::stdout();
+        writeln!(out, "{}", json!({ "listening": list }))
+            .and_then(|()| out.flush())
+            .map_err(|error| Failure::Environment(format!("cannot write to stdout: {error}")))?;
+    }
+    Ok(())
+}
+
+fn environment(error: NetError) -> Failure {
+    let help = match &error {
+        NetError::Listen { source, .. } if source.kind() == std::io::ErrorKind::AddrInUse => {
+            "\nhelp: another program listens there; end it, or take another port with --listen KIND=ADDR:PORT"
+        }
+        NetError::Listen { .. } => "\nhelp: choose another address with --listen KIND=ADDR:PORT",
+        _ => "",
+    };
+    Failure::Environment(format!("{error}{help}"))
+}
+
+/// `--replay FILE`.
+fn answer_again(args: &ServeArgs) -> Result<(), Failure> {
+    let recorded = load_journal(args)?;
+    let header = &recorded.header;
+    let recorded_file = header.file.as_ref().map(PathBuf::from);
+    let mut set = header.set.clone();
+    set.extend(args.set.iter().cloned());
+    let mut spec = cell_spec(args.scene.as_ref().or(recorded_file.as_ref()), &set)?;
+    if spec.scene != header.scene {
+        return Err(Failure::Input(format!(
+            "the journal is of scene {:?}, and this is {:?}",
+            header.scene, spec.scene
+        )));
+    }
+    let encodings = header
+        .ports
+        .iter()
+        .map(|kind| {
+            Encoding::from_name(kind)
+                .ok_or_else(|| Failure::Input(format!("the journal has a port of kind {kind:?}")))
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    open_sessions(&mut spec, &encodings);
+    let mut station = station(spec, compute_at_once())?;
+    let replayed = replay(&mut station, &recorded.entries);
+    if args.json {
+        let difference = replayed.difference.as_ref().map(|difference| {
+            json!({
+                "line": difference.entry + 2,
+                "recorded": difference.recorded.as_ref().map(describe),
+                "given": difference.given.as_ref().map(describe),
+            })
+        });
+        println!(
+            "{}",
+            json!({"replies": replayed.replies, "equal": difference.is_none(), "difference": difference})
+        );
+    }
+    match &replayed.difference {
+        None => {
+            eprintln!("{} replies, all as recorded", replayed.replies);
+            Ok(())
+        }
+        Some(difference) => {
+            let said = |reply: &Option<StationReply>| {
+                reply.as_ref().map_or("nothing".to_owned(), describe)
+            };
+            eprintln!(
+                "line {}: after {} equal replies\n  recorded: {}\n  now:      {}",
+                difference.entry + 2,
+                replayed.replies,
+                said(&difference.recorded),
+                said(&difference.given)
+            );
+            Err(Failure::NotAccepted)
+        }
+    }
+}
+
+fn load_journal(args: &ServeArgs) -> Result<Recorded, Failure> {
+    let path = args.replay.clone().unwrap_or_default();
+    let text = std::fs::read_to_string(&path)
+        .map_err(|error| Failure::Input(format!("cannot read {}: {error}", path.display())))?;
+    read(&text).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+}
+
+fn describe(reply: &StationReply) -> String {
+    format!(
+        "tick {}, port {}, client {}: {}",
+        reply.tick,
+        reply.port.0,
+        reply.connection.0,
+        reply.bytes.escape_ascii()
+    )
+}
