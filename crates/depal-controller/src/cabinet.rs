@@ -1,16 +1,19 @@
-use std::collections::VecDeque;
+use std::cell::Cell;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use depal_arm::Arm;
 use depal_frames::JointPositions;
 use depal_motion::Trajectory;
 use depal_time::{SimDuration, SimTime};
-use depal_vm::system::ProgramLocation;
+use depal_vm::system::{Fault, ProgramLocation};
 
+use crate::free_motion::FreeMotion;
+use crate::mechanism::Mechanism;
 use crate::motion_queue::MotionQueue;
 use crate::signals::SignalTable;
 use crate::sockets::Sockets;
-use crate::{ControllerError, ControllerEvent, ControllerState, SignalSpec};
+use crate::{ControllerError, ControllerEvent, ControllerState, CrossConnection, SignalSpec};
 
 /// What a cabinet is built from.
 #[derive(Debug, Clone)]
@@ -28,6 +31,12 @@ pub struct ControllerSpec {
     pub statement_cost: SimDuration,
     /// Moves that may wait behind the one under way before the program has to wait.
     pub queue_depth: usize,
+    /// Signals that follow others.
+    pub connections: Vec<CrossConnection>,
+    /// What the operator answers, in this order; without answers a question waits for ever.
+    pub answers: VecDeque<String>,
+    /// Files of the program's folder by their path in it.
+    pub files: BTreeMap<String, Vec<u8>>,
 }
 
 impl ControllerSpec {
@@ -40,8 +49,38 @@ impl ControllerSpec {
             signals: Vec::new(),
             statement_cost: SimDuration::from_micros(20),
             queue_depth: 5,
+            connections: Vec::new(),
+            answers: VecDeque::new(),
+            files: BTreeMap::new(),
         }
     }
+
+    /// A cabinet that moves no known arm but a mechanism which reaches every target; see
+    /// [`Controller::without_arm`](crate::Controller::without_arm).
+    pub fn without_arm(name: &str) -> FreeSpec {
+        FreeSpec {
+            name: name.to_owned(),
+            signals: Vec::new(),
+            connections: Vec::new(),
+            answers: VecDeque::new(),
+            files: BTreeMap::new(),
+        }
+    }
+}
+
+/// What a cabinet without an arm is built from. Statements cost 20 us, 5 moves may wait.
+#[derive(Debug, Clone)]
+pub struct FreeSpec {
+    /// Name of the controller.
+    pub name: String,
+    /// All signals.
+    pub signals: Vec<SignalSpec>,
+    /// Signals that follow others.
+    pub connections: Vec<CrossConnection>,
+    /// What the operator answers, in this order.
+    pub answers: VecDeque<String>,
+    /// Files of the program's folder by their path in it.
+    pub files: BTreeMap<String, Vec<u8>>,
 }
 
 /// The whole state of a controller but for its task. A clone can be run on with
@@ -49,11 +88,18 @@ impl ControllerSpec {
 #[derive(Debug, Clone)]
 pub struct Cabinet {
     pub(crate) name: String,
-    pub(crate) arm: Arc<Arm>,
     pub(crate) statement_cost: SimDuration,
     pub(crate) signals: SignalTable,
     pub(crate) sockets: Sockets,
-    pub(crate) motion: MotionQueue,
+    pub(crate) motion: Mechanism,
+    /// Signal changes to come.
+    pub(crate) later: Vec<(SimTime, String, f64)>,
+    pub(crate) answers: VecDeque<String>,
+    pub(crate) files: BTreeMap<String, Vec<u8>>,
+    /// Whether the task looked at the clock or polled a socket since this was last cleared.
+    pub(crate) looked: Cell<bool>,
+    /// Whether the task waited at the end of the last cycle.
+    pub(crate) waiting: bool,
     pub(crate) state: ControllerState,
     /// End of the last cycle.
     pub(crate) cycle_end: SimTime,
@@ -78,16 +124,43 @@ impl Cabinet {
         if spec.statement_cost == SimDuration::ZERO {
             return Err(ControllerError::StatementCost);
         }
-        Ok(Self {
-            signals: SignalTable::new(&spec.signals)?,
-            sockets: Sockets::default(),
-            motion: MotionQueue::new(
-                Trajectory::new(Arc::clone(&spec.arm), spec.start),
-                spec.queue_depth,
-            ),
+        let trajectory = Trajectory::new(Arc::clone(&spec.arm), spec.start);
+        let queue = MotionQueue::new(trajectory, spec.queue_depth);
+        let motion = Mechanism::Arm(spec.arm, Box::new(queue));
+        let parts = FreeSpec {
             name: spec.name,
-            arm: spec.arm,
-            statement_cost: spec.statement_cost,
+            signals: spec.signals,
+            connections: spec.connections,
+            answers: spec.answers,
+            files: spec.files,
+        };
+        Self::assemble(parts, motion, spec.statement_cost)
+    }
+
+    pub(crate) fn without_arm(spec: FreeSpec) -> Result<Self, ControllerError> {
+        let motion = Mechanism::Free(FreeMotion::new(5));
+        Self::assemble(spec, motion, SimDuration::from_micros(20))
+    }
+
+    fn assemble(
+        spec: FreeSpec,
+        motion: Mechanism,
+        statement_cost: SimDuration,
+    ) -> Result<Self, ControllerError> {
+        let mut signals = SignalTable::new(&spec.signals)?;
+        signals.connect(&spec.connections)?;
+        signals.follow(SimTime::ZERO);
+        Ok(Self {
+            signals,
+            sockets: Sockets::default(),
+            motion,
+            later: Vec::new(),
+            answers: spec.answers,
+            files: spec.files,
+            looked: Cell::new(false),
+            waiting: false,
+            name: spec.name,
+            statement_cost,
             state: ControllerState::Idle,
             cycle_end: SimTime::ZERO,
             cursor: SimTime::ZERO,
@@ -96,6 +169,42 @@ impl Cabinet {
             fresh: Vec::new(),
             events: VecDeque::new(),
         })
+    }
+
+    /// Sets a signal and what is connected to it, and notes the edges.
+    pub(crate) fn change(
+        &mut self,
+        at: SimTime,
+        name: &str,
+        value: f64,
+        input: bool,
+    ) -> Result<(), Fault> {
+        let Some(signal) = self.signals.set(at, name, value, input)? else {
+            return Ok(());
+        };
+        let name = signal.spec.name.clone();
+        self.fresh
+            .push(ControllerEvent::SignalEdge { at, name, value });
+        for (name, value) in self.signals.follow(at) {
+            self.fresh
+                .push(ControllerEvent::SignalEdge { at, name, value });
+        }
+        Ok(())
+    }
+
+    /// Carries out the signal changes that are due before `end`, in the order of their times.
+    pub(crate) fn change_due(&mut self, end: SimTime) {
+        if self.later.is_empty() {
+            return;
+        }
+        let (mut due, later): (Vec<_>, Vec<_>) =
+            self.later.drain(..).partition(|(at, ..)| *at < end);
+        self.later = later;
+        due.sort_by_key(|(at, ..)| *at);
+        for (at, name, value) in due {
+            // The value was checked when the change was asked for.
+            let _ = self.change(at, &name, value, false);
+        }
     }
 
     /// Hands over the events since the last time, by time.

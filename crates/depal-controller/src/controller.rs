@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use depal_arm::Arm;
@@ -8,7 +9,8 @@ use depal_vm::system::{Fault, ProgramLocation};
 
 use crate::system::CabinetSystem;
 use crate::{
-    Cabinet, ControllerError, ControllerEvent, ControllerSpec, ControllerState, Network, Signal,
+    Cabinet, ControllerError, ControllerEvent, ControllerSpec, ControllerState, FreeSpec, Network,
+    Signal,
 };
 
 /// A cabinet with its task.
@@ -22,6 +24,18 @@ impl Controller {
     pub fn new(spec: ControllerSpec) -> Result<Self, ControllerError> {
         Ok(Self {
             cabinet: Cabinet::new(spec)?,
+            task: None,
+        })
+    }
+
+    /// A cabinet for programs whose arm is not known: every target is reached.
+    ///
+    /// Its joint positions are not those of an arm: the first three are the flange position in metres, the
+    /// last three its rotation vector. A move takes its distance by its programmed speed, without acceleration,
+    /// or its largest joint difference by 180 degrees/s; corners are driven to their ends.
+    pub fn without_arm(spec: FreeSpec) -> Result<Self, ControllerError> {
+        Ok(Self {
+            cabinet: Cabinet::without_arm(spec)?,
             task: None,
         })
     }
@@ -46,6 +60,9 @@ impl Controller {
     pub fn tick(&mut self, now: SimTime, network: &mut dyn Network) {
         let end = now + TICK;
         self.cabinet.cursor = self.cabinet.cursor.max(now);
+        self.cabinet.looked.set(false);
+        self.cabinet.waiting = false;
+        self.cabinet.change_due(end);
         if let Some(task) = &mut self.task {
             run_task(&mut self.cabinet, task.as_mut(), end, network);
         }
@@ -66,9 +83,25 @@ impl Controller {
         &self.cabinet.name
     }
 
-    /// The arm.
-    pub fn arm(&self) -> &Arc<Arm> {
-        &self.cabinet.arm
+    /// The arm, if there is one.
+    pub fn arm(&self) -> Option<&Arc<Arm>> {
+        self.cabinet.motion.arm()
+    }
+
+    /// Files of the program's folder, with what the program wrote.
+    pub fn files(&self) -> &BTreeMap<String, Vec<u8>> {
+        &self.cabinet.files
+    }
+
+    /// Whether nothing can ever happen unless the cell sets an input: the task waited at the end of the last
+    /// cycle without a look at the clock or a socket, the arm stands and no signal change is to come.
+    pub fn waits_for_ever(&self) -> bool {
+        let cabinet = &self.cabinet;
+        cabinet.state == ControllerState::Running
+            && cabinet.waiting
+            && !cabinet.looked.get()
+            && cabinet.later.is_empty()
+            && cabinet.motion.is_standing(cabinet.cycle_end)
     }
 
     /// What the task does.
@@ -126,11 +159,9 @@ impl Controller {
     /// The cell sets an input, at the end of the last cycle; the task sees it in the next one.
     pub fn set_input(&mut self, name: &str, value: f64) -> Result<(), Fault> {
         let at = self.cabinet.cycle_end;
-        if let Some(signal) = self.cabinet.signals.set(at, name, value, true)? {
-            let name = signal.spec.name.clone();
-            let edge = ControllerEvent::SignalEdge { at, name, value };
-            self.cabinet.events.push_back(edge);
-        }
+        self.cabinet.change(at, name, value, true)?;
+        let edges = self.cabinet.fresh.drain(..);
+        self.cabinet.events.extend(edges);
         Ok(())
     }
 
@@ -163,7 +194,10 @@ fn run_task(
                 cabinet.cursor += cabinet.statement_cost;
                 continue;
             }
-            Step::Blocked => break,
+            Step::Blocked => {
+                cabinet.waiting = true;
+                break;
+            }
             Step::Finished => (ControllerState::Finished, None),
             Step::Stopped(reason) => {
                 let brakes = format!("the program stopped: {reason}");

@@ -26,6 +26,14 @@ pub enum ControllerError {
         /// What is wrong.
         message: String,
     },
+    /// A cross connection names a signal that is not there.
+    #[error("the cross connection to {result} names the signal {name}, which is not defined")]
+    CrossConnection {
+        /// The signal that would follow.
+        result: String,
+        /// The name that is missing.
+        name: String,
+    },
     /// The arm would start outside its limits.
     #[error("start joints {start_deg:?} deg do not fit the limits of arm {arm}")]
     StartJoints {

@@ -83,6 +83,17 @@ pub enum ControllerEvent {
         /// The line.
         text: String,
     },
+    /// A question to the operator was answered.
+    Answered {
+        /// When.
+        at: SimTime,
+        /// The instruction that asked.
+        instruction: &'static str,
+        /// What the operator read.
+        text: String,
+        /// What was answered.
+        answer: String,
+    },
     /// The task is over.
     TaskEnded {
         /// When.
@@ -103,6 +114,7 @@ impl ControllerEvent {
             | Self::CornerFailure { at, .. }
             | Self::MotionStopped { at, .. }
             | Self::Log { at, .. }
+            | Self::Answered { at, .. }
             | Self::TaskEnded { at, .. } => *at,
         }
     }

@@ -28,25 +28,29 @@
 //!
 //! Units and frames: SI, radians, simulated time; poses in the robot base.
 //!
-//! Limitations: one task per cabinet; no cross connections between signals, no signal delay; no speed override;
+//! Limitations: one task per cabinet; no signal delay; no speed override;
 //! the servo follows exactly; a wait inside a task ends with the cycle, so it is 4 ms coarse.
 
 mod cabinet;
 mod controller;
+mod eio;
 mod error;
 mod event;
+mod free_motion;
+mod mechanism;
 mod motion_queue;
 mod network;
 mod signals;
 mod sockets;
 mod system;
 
-pub use cabinet::{Cabinet, ControllerSpec};
+pub use cabinet::{Cabinet, ControllerSpec, FreeSpec};
 pub use controller::Controller;
+pub use eio::{EioConfiguration, EioError};
 pub use error::ControllerError;
 pub use event::{ControllerEvent, ControllerState};
 pub use network::{Network, NoNetwork};
-pub use signals::{Signal, SignalKind, SignalSpec};
+pub use signals::{CrossConnection, Signal, SignalKind, SignalSpec};
 
 #[cfg(test)]
 mod tests;

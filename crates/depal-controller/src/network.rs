@@ -39,6 +39,33 @@ pub trait Network {
 
     /// The program closes, connected or still connecting.
     fn close(&mut self, now: SimTime, controller: &str, socket: SocketId);
+
+    /// The program takes connections at a port of its cabinet. A taken port: [`Fault::AddressInUse`].
+    fn listen(
+        &mut self,
+        now: SimTime,
+        controller: &str,
+        socket: SocketId,
+        address: &str,
+        port: u16,
+    ) -> Result<(), Fault> {
+        let _ = (now, controller, socket, address, port);
+        Err(Fault::NotThere {
+            message: "a network that takes connections".to_owned(),
+        })
+    }
+
+    /// The next connection to a listening socket becomes the socket `accepted`; the peer's address.
+    fn accept(
+        &mut self,
+        now: SimTime,
+        controller: &str,
+        socket: SocketId,
+        accepted: SocketId,
+    ) -> Poll<Result<String, Fault>> {
+        let _ = (now, controller, socket, accepted);
+        Poll::Pending
+    }
 }
 
 /// A cabinet without a cable: every connection is refused.

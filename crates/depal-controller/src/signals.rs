@@ -37,7 +37,7 @@ impl SignalKind {
         )
     }
 
-    fn check(self, value: f64) -> Result<(), String> {
+    pub(crate) fn check(self, value: f64) -> Result<(), String> {
         let highest = match self {
             Self::DigitalInput | Self::DigitalOutput => 1.0,
             Self::GroupInput { bits } | Self::GroupOutput { bits } => {
@@ -92,10 +92,22 @@ pub struct Signal {
     pub changed_at: SimTime,
 }
 
+/// A signal that follows others, whoever sets it otherwise.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CrossConnection {
+    /// The digital signal that follows.
+    pub result: String,
+    /// The signals that it follows, each with whether it is inverted. Never empty.
+    pub actors: Vec<(String, bool)>,
+    /// Between one actor and the next: `true` either, `false` both. Taken from left to right.
+    pub any: Vec<bool>,
+}
+
 /// All signals by name in lower case.
 #[derive(Debug, Clone)]
 pub(crate) struct SignalTable {
     signals: BTreeMap<String, Signal>,
+    connections: Vec<CrossConnection>,
 }
 
 impl SignalTable {
@@ -120,7 +132,60 @@ impl SignalTable {
                 return Err(ControllerError::DuplicateSignal { name });
             }
         }
-        Ok(Self { signals })
+        Ok(Self {
+            signals,
+            connections: Vec::new(),
+        })
+    }
+
+    /// Adds connections between signals that are there.
+    pub fn connect(&mut self, connections: &[CrossConnection]) -> Result<(), ControllerError> {
+        for connection in connections {
+            let actors = connection.actors.iter().map(|(name, _)| name);
+            for name in std::iter::once(&connection.result).chain(actors) {
+                if !self.signals.contains_key(&key(name)) {
+                    return Err(ControllerError::CrossConnection {
+                        result: connection.result.clone(),
+                        name: name.clone(),
+                    });
+                }
+            }
+        }
+        self.connections.extend_from_slice(connections);
+        Ok(())
+    }
+
+    /// Brings the connected signals up to date; name and value of those that changed.
+    /// A ring of connections is followed once around at most, so that it cannot go on for ever.
+    pub fn follow(&mut self, at: SimTime) -> Vec<(String, f64)> {
+        let mut changed = Vec::new();
+        for _ in 0..self.connections.len() {
+            let before = changed.len();
+            for connection in &self.connections {
+                let actor = |(name, inverted): &(String, bool)| {
+                    self.signals
+                        .get(&key(name))
+                        .is_some_and(|signal| (signal.value != 0.0) != *inverted)
+                };
+                let mut value = connection.actors.first().is_some_and(actor);
+                for (next, any) in connection.actors.iter().skip(1).zip(&connection.any) {
+                    let next = actor(next);
+                    value = if *any { value || next } else { value && next };
+                }
+                let value = f64::from(u8::from(value));
+                if let Some(signal) = self.signals.get_mut(&key(&connection.result))
+                    && signal.value != value
+                {
+                    signal.value = value;
+                    signal.changed_at = at;
+                    changed.push((signal.spec.name.clone(), value));
+                }
+            }
+            if changed.len() == before {
+                break;
+            }
+        }
+        changed
     }
 
     pub fn iter(&self) -> impl Iterator<Item = &Signal> {

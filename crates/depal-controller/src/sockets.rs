@@ -10,6 +10,8 @@ use crate::Network;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Sockets {
     states: BTreeMap<SocketId, SocketState>,
+    /// Where bound sockets are bound.
+    bound: BTreeMap<SocketId, (String, u16)>,
     next: u32,
 }
 
@@ -44,9 +46,9 @@ impl Sockets {
                 }
                 answer
             }
-            SocketState::Connected => Poll::Ready(Err(Fault::SocketState {
+            SocketState::Connected | SocketState::Bound | SocketState::Listening => Poll::Ready(Err(Fault::SocketState {
                 message: format!(
-                    "connecting to {address}:{port}: expected a created socket, it is connected"
+                    "connecting to {address}:{port}: expected a created socket, it is in use"
                 ),
             })),
             SocketState::Closed => Poll::Ready(Err(Fault::SocketClosed)),
@@ -59,6 +61,9 @@ impl Sockets {
             SocketState::Connected => Ok(()),
             SocketState::Created => Err(Fault::SocketState {
                 message: format!("{doing}: expected a connected socket, it is created only"),
+            }),
+            SocketState::Bound | SocketState::Listening => Err(Fault::SocketState {
+                message: format!("{doing}: expected a connected socket, it is a server's"),
             }),
             SocketState::Closed => Err(Fault::SocketClosed),
         }
@@ -95,6 +100,62 @@ impl Sockets {
         network.receive(now, controller, socket, limit).map(Ok)
     }
 
+    pub fn bind(&mut self, socket: SocketId, address: &str, port: u16) -> Result<(), Fault> {
+        let state = self.state(socket);
+        if state != SocketState::Created {
+            return Err(Fault::SocketState {
+                message: format!("binding: expected a created socket, it is {state:?}"),
+            });
+        }
+        self.bound.insert(socket, (address.to_owned(), port));
+        self.states.insert(socket, SocketState::Bound);
+        Ok(())
+    }
+
+    pub fn listen(
+        &mut self,
+        network: &mut dyn Network,
+        now: SimTime,
+        controller: &str,
+        socket: SocketId,
+    ) -> Result<(), Fault> {
+        let (SocketState::Bound, Some((address, port))) =
+            (self.state(socket), self.bound.get(&socket))
+        else {
+            return Err(Fault::SocketState {
+                message: "listening: expected a bound socket; call SocketBind first".to_owned(),
+            });
+        };
+        network.listen(now, controller, socket, address, *port)?;
+        self.states.insert(socket, SocketState::Listening);
+        Ok(())
+    }
+
+    pub fn accept(
+        &mut self,
+        network: &mut dyn Network,
+        now: SimTime,
+        controller: &str,
+        socket: SocketId,
+    ) -> Poll<Result<(SocketId, String), Fault>> {
+        if self.state(socket) != SocketState::Listening {
+            return Poll::Ready(Err(Fault::SocketState {
+                message: "accepting: expected a listening socket; call SocketListen first"
+                    .to_owned(),
+            }));
+        }
+        let accepted = SocketId(self.next);
+        match network.accept(now, controller, socket, accepted) {
+            Poll::Pending => Poll::Pending,
+            Poll::Ready(Err(fault)) => Poll::Ready(Err(fault)),
+            Poll::Ready(Ok(peer)) => {
+                self.next += 1;
+                self.states.insert(accepted, SocketState::Connected);
+                Poll::Ready(Ok((accepted, peer)))
+            }
+        }
+    }
+
     pub fn close(
         &mut self,
         network: &mut dyn Network,
@@ -103,6 +164,7 @@ impl Sockets {
         socket: SocketId,
     ) {
         // Closing what is closed, or was never created, is no error.
+        self.bound.remove(&socket);
         if self.states.remove(&socket).is_some() {
             network.close(now, controller, socket);
         }

@@ -1,9 +1,10 @@
 use std::task::Poll;
 
 use depal_frames::{JointPositions, Pose};
-use depal_time::SimTime;
+use depal_time::{SimDuration, SimTime};
 use depal_vm::system::{
-    Fault, LogKind, MoveId, MoveRequest, ProgramLocation, Received, SocketId, SocketState, System,
+    Fault, LogKind, MoveId, MoveRequest, ProgramLocation, Question, Received, SocketId,
+    SocketState, System,
 };
 
 use crate::{Cabinet, ControllerEvent, Network};
@@ -16,6 +17,11 @@ pub(crate) struct CabinetSystem<'a> {
 
 impl System for CabinetSystem<'_> {
     fn now(&self) -> SimTime {
+        self.cabinet.looked.set(true);
+        self.cabinet.cursor
+    }
+
+    fn call_time(&self) -> SimTime {
         self.cabinet.cursor
     }
 
@@ -25,13 +31,31 @@ impl System for CabinetSystem<'_> {
 
     fn set_signal(&mut self, name: &str, value: f64) -> Result<(), Fault> {
         let at = self.cabinet.cursor;
-        if let Some(signal) = self.cabinet.signals.set(at, name, value, false)? {
-            self.cabinet.fresh.push(ControllerEvent::SignalEdge {
-                at,
-                name: signal.spec.name.clone(),
-                value,
-            });
-        }
+        self.cabinet
+            .later
+            .retain(|(_, later, _)| !later.eq_ignore_ascii_case(name));
+        self.cabinet.change(at, name, value, false)
+    }
+
+    fn set_signal_later(
+        &mut self,
+        name: &str,
+        value: f64,
+        delay: SimDuration,
+    ) -> Result<(), Fault> {
+        let signal = self.cabinet.signals.get(name)?;
+        let checked = if signal.spec.kind.is_input() {
+            Err("is an input of the robot, the program cannot set it".to_owned())
+        } else {
+            signal.spec.kind.check(value)
+        };
+        checked.map_err(|message| Fault::SignalValue {
+            signal: name.to_owned(),
+            message,
+        })?;
+        let later = &mut self.cabinet.later;
+        later.retain(|(_, other, _)| !other.eq_ignore_ascii_case(name));
+        later.push((self.cabinet.cursor + delay, name.to_owned(), value));
         Ok(())
     }
 
@@ -68,7 +92,7 @@ impl System for CabinetSystem<'_> {
     }
 
     fn forward(&self, joints: &JointPositions) -> Pose {
-        self.cabinet.arm.base_from_flange(joints)
+        self.cabinet.motion.forward(joints)
     }
 
     fn inverse(
@@ -77,8 +101,8 @@ impl System for CabinetSystem<'_> {
         near: &JointPositions,
     ) -> Result<JointPositions, Fault> {
         self.cabinet
-            .arm
-            .inverse_nearest(base_from_flange, near)
+            .motion
+            .inverse(base_from_flange, near)
             .ok_or_else(|| {
                 let p = base_from_flange.translation.vector * 1e3;
                 Fault::OutOfReach {
@@ -100,6 +124,7 @@ impl System for CabinetSystem<'_> {
         address: &str,
         port: u16,
     ) -> Poll<Result<(), Fault>> {
+        self.cabinet.looked.set(true);
         let cabinet = &mut *self.cabinet;
         cabinet.sockets.connect(
             self.network,
@@ -118,6 +143,7 @@ impl System for CabinetSystem<'_> {
     }
 
     fn socket_receive(&mut self, socket: SocketId, limit: usize) -> Poll<Result<Received, Fault>> {
+        self.cabinet.looked.set(true);
         let cabinet = &mut *self.cabinet;
         cabinet
             .sockets
@@ -135,6 +161,50 @@ impl System for CabinetSystem<'_> {
         self.cabinet.sockets.state(socket)
     }
 
+    fn socket_bind(&mut self, socket: SocketId, address: &str, port: u16) -> Result<(), Fault> {
+        self.cabinet.sockets.bind(socket, address, port)
+    }
+
+    fn socket_listen(&mut self, socket: SocketId) -> Result<(), Fault> {
+        let cabinet = &mut *self.cabinet;
+        cabinet
+            .sockets
+            .listen(self.network, cabinet.cursor, &cabinet.name, socket)
+    }
+
+    fn socket_accept(&mut self, socket: SocketId) -> Poll<Result<(SocketId, String), Fault>> {
+        self.cabinet.looked.set(true);
+        let cabinet = &mut *self.cabinet;
+        cabinet
+            .sockets
+            .accept(self.network, cabinet.cursor, &cabinet.name, socket)
+    }
+
+    fn answer(&mut self, question: &Question) -> Poll<String> {
+        let Some(answer) = self.cabinet.answers.pop_front() else {
+            return Poll::Pending;
+        };
+        self.cabinet.fresh.push(ControllerEvent::Answered {
+            at: self.cabinet.cursor,
+            instruction: question.instruction,
+            text: question.text.clone(),
+            answer: answer.clone(),
+        });
+        Poll::Ready(answer)
+    }
+
+    fn read_file(&mut self, path: &str) -> Result<Vec<u8>, Fault> {
+        let found = self.cabinet.files.get(path).cloned();
+        found.ok_or_else(|| Fault::File {
+            message: format!("{path}: there is no such file in the program's folder"),
+        })
+    }
+
+    fn write_file(&mut self, path: &str, bytes: &[u8]) -> Result<(), Fault> {
+        self.cabinet.files.insert(path.to_owned(), bytes.to_vec());
+        Ok(())
+    }
+
     fn log(&mut self, kind: LogKind, location: &ProgramLocation, text: &str) {
         self.cabinet.fresh.push(ControllerEvent::Log {
             at: self.cabinet.cursor,
@@ -145,6 +215,17 @@ impl System for CabinetSystem<'_> {
     }
 
     fn statement(&mut self, location: &ProgramLocation) {
-        self.cabinet.statement = Some((self.cabinet.cursor, location.clone()));
+        // Most statements lie in the routine of the one before: the strings are reused.
+        let at = self.cabinet.cursor;
+        match &mut self.cabinet.statement {
+            Some((begun, known)) => {
+                *begun = at;
+                if known.routine != location.routine || known.module != location.module {
+                    known.clone_from(location);
+                }
+                known.line = location.line;
+            }
+            none => *none = Some((at, location.clone())),
+        }
     }
 }

@@ -37,6 +37,7 @@ mod limits;
 mod notice;
 mod ports;
 mod replay;
+pub mod robot_sockets;
 mod server;
 
 pub use compute::{compute_at_once, compute_on_thread};

@@ -3,7 +3,7 @@ use depal_vm::{MachineFault, RaisedError};
 
 /// Names of errors that programs compare ERRNO with. The numbers are ours: programs use the names;
 /// 1 to 90 belong to the user.
-pub(crate) const ERRORS: [(&str, i64); 36] = [
+pub(crate) const ERRORS: [(&str, i64); 45] = [
     ("ERR_DIVZERO", 1001),
     ("ERR_OUTOFBND", 1002),
     ("ERR_STRTOOLNG", 1003),
@@ -40,6 +40,15 @@ pub(crate) const ERRORS: [(&str, i64); 36] = [
     ("ERR_RANYBIN_EOF", 1401),
     ("ERR_RAWBYTES", 1402),
     ("ERR_TP_NO_CLIENT", 1501),
+    ("ERR_FILEACC", 1403),
+    ("ERR_FILEOPEN", 1404),
+    ("ERR_FILNOTFND", 1405),
+    ("ERR_CALLPROC", 1013),
+    ("ERR_WHLSEARCH", 1207),
+    ("ERR_ALRDYCNT", 1601),
+    ("ERR_CNTNOTVAR", 1602),
+    ("ERR_UNKINO", 1603),
+    ("LONG_JMP_ALL_ERR", 1999),
 ];
 
 /// The error of this name.
@@ -72,6 +81,10 @@ pub(crate) fn raise(fault: &MachineFault) -> RaisedError {
         MachineFault::System(Fault::MotionSupervision { .. }) => "ERR_MOTIONSUP",
         MachineFault::System(Fault::SocketClosed) => "ERR_SOCK_CLOSED",
         MachineFault::System(Fault::SocketState { .. }) => "ERR_SOCK_NOT_CONN",
+        MachineFault::System(Fault::AddressInUse { .. }) => "ERR_SOCK_ADDR_INUSE",
+        MachineFault::System(Fault::File { .. }) => "ERR_FILEACC",
+        MachineFault::UnknownRoutine { .. } => "ERR_REFUNKPRC",
+        MachineFault::WrongCall { .. } => "ERR_CALLPROC",
         MachineFault::IndexOutOfRange { .. } => "ERR_OUTOFBND",
         MachineFault::DivisionByZero => "ERR_DIVZERO",
         MachineFault::NotPresent => "ERR_NOTPRES",

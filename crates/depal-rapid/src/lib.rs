@@ -41,4 +41,7 @@ mod syntax;
 
 pub use builtins::built_in_names;
 pub use compile::types::SignalKind;
-pub use loading::{Loaded, SignalDefinition, check, load};
+pub use loading::{
+    Loaded, SignalDefinition, check, check_syntax, decode, load, load_with_auto_signals,
+    program_list,
+};

@@ -5,8 +5,9 @@ use depal_vm::{Diagnostic, Program, Severity, SourceFile};
 
 use crate::SignalKind;
 use crate::builtins::Table;
-use crate::compile::compile;
+use crate::compile::{compile, undefined_signals};
 use crate::syntax::parser::parse;
+use crate::syntax::tree::Module;
 
 /// Most messages that are worth reading at once.
 const DIAGNOSTIC_LIMIT: usize = 200;
@@ -39,16 +40,91 @@ impl Loaded {
 /// Loads the modules of one task, in any order, to start at the procedure `entry`.
 /// A name that is neither declared nor in `known_signals` is an error.
 pub fn load(sources: &[SourceFile], known_signals: &[SignalDefinition], entry: &str) -> Loaded {
-    let signals = known_signals
-        .iter()
-        .map(|signal| {
-            (
-                signal.name.to_lowercase(),
-                (signal.name.clone(), signal.kind),
-            )
-        })
+    load_with(sources, Some(keyed(known_signals)), Some(entry))
+}
+
+/// As [`load`], but a name that is used as a signal and defined nowhere becomes a signal of the kind that
+/// its use asks for (a digital input where any kind would do). Gives back the signals so added.
+pub fn load_with_auto_signals(
+    sources: &[SourceFile],
+    known_signals: &[SignalDefinition],
+    entry: &str,
+) -> (Loaded, Vec<SignalDefinition>) {
+    let mut ignored = Vec::new();
+    let modules = parse_all(sources, &mut ignored);
+    let table = Table::new();
+    let found = undefined_signals(sources, &modules, keyed(known_signals), &table);
+    let added: Vec<_> = found
+        .into_iter()
+        .map(|(name, kind)| SignalDefinition { name, kind })
         .collect();
-    load_with(sources, Some(signals), Some(entry))
+    let all: Vec<_> = known_signals.iter().chain(&added).cloned().collect();
+    (load(sources, &all, entry), added)
+}
+
+/// Reads files without looking at names and types, each for itself.
+pub fn check_syntax(sources: &[SourceFile]) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    parse_all(sources, &mut diagnostics);
+    sorted(diagnostics)
+}
+
+/// The text of a module file: UTF-8, with or without a byte order mark, else Windows-1252.
+pub fn decode(bytes: &[u8]) -> String {
+    // What ISO-8859-1 leaves to control characters, from 0x80 to 0x9F.
+    const UPPER: [char; 32] = [
+        '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž',
+        '\u{8f}', '\u{90}', '‘', '’', '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ',
+        '\u{9d}', 'ž', 'Ÿ',
+    ];
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        Err(_) => bytes
+            .iter()
+            .map(|byte| match byte {
+                0x80..=0x9f => UPPER[usize::from(byte - 0x80)],
+                byte => char::from(*byte),
+            })
+            .collect(),
+    }
+}
+
+/// The modules that a program list (.pgf) names, in its order: the text of its `<Module>` elements.
+pub fn program_list(text: &str) -> Vec<String> {
+    let lower = text.to_ascii_lowercase();
+    let mut modules = Vec::new();
+    let mut at = 0;
+    while let Some(begin) = lower[at..].find("<module>") {
+        let begin = at + begin + "<module>".len();
+        let Some(length) = lower[begin..].find("</module>") else {
+            break;
+        };
+        modules.push(text[begin..begin + length].trim().to_owned());
+        at = begin + length;
+    }
+    modules
+}
+
+fn keyed(signals: &[SignalDefinition]) -> BTreeMap<String, (String, SignalKind)> {
+    let key = |signal: &SignalDefinition| {
+        let name = signal.name.to_lowercase();
+        (name, (signal.name.clone(), signal.kind))
+    };
+    signals.iter().map(key).collect()
+}
+
+fn parse_all(sources: &[SourceFile], diagnostics: &mut Vec<Diagnostic>) -> Vec<Module> {
+    let mut modules = parse(u32::MAX, include_str!("predefined.mod"), diagnostics);
+    for (index, source) in sources.iter().enumerate() {
+        modules.extend(parse(index as u32, &source.text, diagnostics));
+    }
+    modules
+}
+
+fn sorted(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    diagnostics.sort_by_key(|d| (d.primary.span.file, d.primary.span.start, d.severity));
+    diagnostics.dedup();
+    diagnostics
 }
 
 /// Checks modules without a cabinet: an unknown name where a signal may stand is a warning,
@@ -63,15 +139,11 @@ fn load_with(
     entry: Option<&str>,
 ) -> Loaded {
     let mut diagnostics = Vec::new();
-    let mut modules = parse(u32::MAX, include_str!("predefined.mod"), &mut diagnostics);
-    for (index, source) in sources.iter().enumerate() {
-        modules.extend(parse(index as u32, &source.text, &mut diagnostics));
-    }
+    let modules = parse_all(sources, &mut diagnostics);
     let table = Table::new();
     let (program, found) = compile(sources, &modules, signals, entry, &table);
     diagnostics.extend(found);
-    diagnostics.sort_by_key(|d| (d.primary.span.file, d.primary.span.start, d.severity));
-    diagnostics.dedup();
+    let mut diagnostics = sorted(diagnostics);
     let failed = diagnostics.iter().any(|d| d.severity == Severity::Error);
     if diagnostics.len() > DIAGNOSTIC_LIMIT {
         let more = diagnostics.len() - DIAGNOSTIC_LIMIT;

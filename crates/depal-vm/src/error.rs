@@ -65,6 +65,20 @@ pub enum MachineFault {
     /// A loop whose step is zero.
     #[error("the step of a FOR loop is 0")]
     ZeroStep,
+    /// A call by name found no such procedure.
+    #[error("there is no procedure named {name} to call")]
+    UnknownRoutine {
+        /// As computed by the program.
+        name: String,
+    },
+    /// A call by name does not fit the procedure's parameters.
+    #[error("{name} cannot be called with these arguments: {message}")]
+    WrongCall {
+        /// The procedure.
+        name: String,
+        /// What was expected and found.
+        message: String,
+    },
     /// A function ended without a value.
     #[error("function {name} ended without RETURN and a value")]
     NoReturnValue {
@@ -83,5 +97,8 @@ fn fault_text(fault: &Fault) -> String {
             "the socket is closed, or the other side refused or closed it".into()
         }
         Fault::SocketState { message } => format!("socket: {message}"),
+        Fault::AddressInUse { address } => format!("the address {address} is in use"),
+        Fault::File { message } => format!("file {message}"),
+        Fault::NotThere { message } => format!("this cabinet does not have {message}"),
     }
 }

@@ -17,6 +17,7 @@ pub struct Machine {
     located_routine: Option<u32>,
     last_error: i64,
     ended: Option<Step>,
+    single_cycle: bool,
 }
 
 /// What an operation asks of the loop around it.
@@ -43,6 +44,7 @@ impl Machine {
             located_routine: None,
             last_error: 0,
             ended: None,
+            single_cycle: false,
         };
         machine.begin();
         if let Some(initializer) = machine.program.initializer {
@@ -50,6 +52,13 @@ impl Machine {
         }
         machine.locate();
         machine
+    }
+
+    /// Ends the task where the program would begin anew (ExitCycle), as in single cycle mode.
+    #[must_use]
+    pub fn single_cycle(mut self) -> Self {
+        self.single_cycle = true;
+        self
     }
 
     /// The program's data.
@@ -263,12 +272,11 @@ impl Machine {
         result: bool,
     ) -> Result<Flow, RaisedError> {
         self.locate();
-        let now = system.now();
         let mut pending = match self.frame().pending.take() {
             Some(pending) => pending,
             None => PendingCall {
                 arguments: self.pop_many(arguments),
-                started: now,
+                started: system.call_time(),
                 notes: Vec::new(),
             },
         };
@@ -295,6 +303,9 @@ impl Machine {
                 Ok(Flow::Blocked)
             }
             Outcome::Stop(reason) => Ok(Flow::End(Step::Stopped(reason))),
+            Outcome::Restart if self.single_cycle => {
+                Ok(Flow::End(Step::Stopped("ExitCycle".into())))
+            }
             Outcome::Restart => {
                 self.begin();
                 Ok(Flow::Next)
@@ -491,7 +502,7 @@ impl Machine {
                 self.frame().retries = 0;
             }
             Op::WaitBegin => {
-                let now = system.now();
+                let now = system.call_time();
                 self.frame().wait_started = Some(now);
             }
             Op::WaitElapsed => {

@@ -7,7 +7,7 @@
 use std::task::Poll;
 
 use depal_frames::{JointPositions, Pose};
-use depal_time::SimTime;
+use depal_time::{SimDuration, SimTime};
 
 /// Where in the user's program something was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
@@ -123,6 +123,30 @@ pub enum Fault {
         /// What was expected and found.
         message: String,
     },
+    /// The port of this cabinet is taken.
+    AddressInUse {
+        /// Address and port.
+        address: String,
+    },
+    /// A file of the program's folder: not there, not allowed, not readable.
+    File {
+        /// The path as the program spells it, and why.
+        message: String,
+    },
+    /// The cabinet has no such thing.
+    NotThere {
+        /// What was asked for.
+        message: String,
+    },
+}
+
+/// What an operator is asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Question {
+    /// The instruction, `UINumEntry`.
+    pub instruction: &'static str,
+    /// The text that the operator would read.
+    pub text: String,
 }
 
 /// What arrived on a socket.
@@ -141,6 +165,10 @@ pub enum SocketState {
     Created,
     /// Connected.
     Connected,
+    /// Bound to a port of this cabinet.
+    Bound,
+    /// Takes connections.
+    Listening,
     /// Closed, or never created.
     Closed,
 }
@@ -204,6 +232,63 @@ pub trait System {
     fn socket_close(&mut self, socket: SocketId);
     /// The state of a socket.
     fn socket_state(&self, socket: SocketId) -> SocketState;
+
+    /// When a call began: the same time as [`now`](Self::now), asked for the record only.
+    /// A cabinet that wants to know whether a waiting program looks at the clock counts `now`, not this.
+    fn call_time(&self) -> SimTime {
+        self.now()
+    }
+    /// Sets a signal after a delay (the end of a pulse). A later call for the same signal replaces it.
+    fn set_signal_later(
+        &mut self,
+        name: &str,
+        value: f64,
+        delay: SimDuration,
+    ) -> Result<(), Fault> {
+        let _ = (value, delay);
+        Err(Fault::NotThere {
+            message: format!("pulses on signal {name}"),
+        })
+    }
+    /// Binds a created socket to a port of this cabinet.
+    fn socket_bind(&mut self, socket: SocketId, address: &str, port: u16) -> Result<(), Fault> {
+        let _ = (socket, address, port);
+        Err(Fault::NotThere {
+            message: "server sockets".into(),
+        })
+    }
+    /// A bound socket begins to take connections.
+    fn socket_listen(&mut self, socket: SocketId) -> Result<(), Fault> {
+        let _ = socket;
+        Err(Fault::NotThere {
+            message: "server sockets".into(),
+        })
+    }
+    /// The next connection to a listening socket: a connected socket and the peer's address.
+    fn socket_accept(&mut self, socket: SocketId) -> Poll<Result<(SocketId, String), Fault>> {
+        let _ = socket;
+        Poll::Ready(Err(Fault::NotThere {
+            message: "server sockets".into(),
+        }))
+    }
+    /// The operator's answer to a question; `Pending` while nobody answers.
+    fn answer(&mut self, question: &Question) -> Poll<String> {
+        let _ = question;
+        Poll::Pending
+    }
+    /// The bytes of a file in the program's folder.
+    fn read_file(&mut self, path: &str) -> Result<Vec<u8>, Fault> {
+        Err(Fault::File {
+            message: format!("{path}: this cabinet has no files"),
+        })
+    }
+    /// Writes a file in the program's folder, whole.
+    fn write_file(&mut self, path: &str, bytes: &[u8]) -> Result<(), Fault> {
+        let _ = bytes;
+        Err(Fault::File {
+            message: format!("{path}: this cabinet has no files"),
+        })
+    }
 
     /// A line for the operator or the event log.
     fn log(&mut self, kind: LogKind, location: &ProgramLocation, text: &str);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use depal_arm::Arm;
+use depal_controller::EioConfiguration;
 use depal_scene::Scene;
 use depal_vm::{Severity, SourceFile};
 
@@ -13,41 +14,124 @@ use crate::run::explain;
 /// Longest chain of joints whose accelerations a bare URDF is checked with; their values do not matter.
 const NOMINAL_ACCELERATION: f64 = 1.0;
 
-/// Checks every file; RAPID modules given together are one task.
-pub fn check(files: &[PathBuf]) -> Result<(), Failure> {
-    let mut errors = 0;
-    let mut modules = Vec::new();
-    for path in files {
-        let verdict = match extension(path).as_str() {
-            "toml" => check_scene(path),
-            "urdf" => check_arm(path),
-            "mod" | "sys" | "prg" | "modx" | "sysx" => {
-                modules.push(path);
-                continue;
-            }
-            other => Err(vec![format!(
-                "{}: no check for files of type {other:?}; expected .toml, .urdf, .mod, .sys or .prg",
-                path.display()
-            )]),
-        };
-        match verdict {
-            Ok(summary) => println!("{}: {summary}", path.display()),
-            Err(messages) => {
-                errors += messages.len();
-                for message in messages {
-                    eprintln!("error: {message}");
-                }
-            }
+/// What was found in one file.
+struct Verdict {
+    path: String,
+    summary: String,
+    findings: Vec<Finding>,
+}
+
+/// One message with its place, both from 1.
+struct Finding {
+    code: String,
+    severity: Severity,
+    line: u32,
+    column: u32,
+    message: String,
+}
+
+impl Finding {
+    /// A problem of a whole file.
+    fn of_file(code: &str, message: String) -> Self {
+        Self {
+            code: code.to_owned(),
+            severity: Severity::Error,
+            line: 1,
+            column: 1,
+            message,
         }
     }
-    if !modules.is_empty() {
-        errors += check_modules(&modules);
+}
+
+impl Verdict {
+    fn errors(&self) -> usize {
+        let is_error = |finding: &&Finding| finding.severity == Severity::Error;
+        self.findings.iter().filter(is_error).count()
+    }
+}
+
+/// Checks every file; RAPID modules given together are one task, unless only their syntax is asked for.
+pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Failure> {
+    let mut verdicts = Vec::new();
+    let mut modules = Vec::new();
+    for path in files {
+        let name = path.to_string_lossy().into_owned();
+        let (code, verdict) = match extension(path).as_str() {
+            "toml" => ("SCENE", check_scene(path)),
+            "urdf" => ("URDF", check_arm(path)),
+            "cfg" => ("EIO", check_signals(path)),
+            "mod" | "sys" | "prg" | "modx" | "sysx" => {
+                modules.push((verdicts.len(), path));
+                ("RAPID", Ok("good".to_owned()))
+            }
+            other => (
+                "FILE",
+                Err(vec![format!(
+                    "{name}: no check for files of type {other:?}; expected .toml, .urdf, .cfg, .mod, .sys or .prg"
+                )]),
+            ),
+        };
+        let (summary, findings) = match verdict {
+            Ok(summary) => (summary, Vec::new()),
+            Err(messages) => {
+                messages
+                    .iter()
+                    .for_each(|message| eprintln!("error: {message}"));
+                let findings = messages.into_iter().map(|m| Finding::of_file(code, m));
+                (String::new(), findings.collect())
+            }
+        };
+        verdicts.push(Verdict {
+            path: name,
+            summary,
+            findings,
+        });
+    }
+    check_modules(&modules, &mut verdicts, syntax_only);
+    let errors: usize = verdicts.iter().map(Verdict::errors).sum();
+    if json {
+        println!("{}", document(&verdicts));
+    } else {
+        for verdict in &verdicts {
+            match verdict.errors() {
+                0 => println!("{}: {}", verdict.path, verdict.summary),
+                _ if verdict.summary.is_empty() => {}
+                count => println!("{}: {count} error(s)", verdict.path),
+            }
+        }
     }
     if errors == 0 {
         Ok(())
     } else {
         Err(Failure::Input(format!("{errors} problem(s) found")))
     }
+}
+
+fn document(verdicts: &[Verdict]) -> serde_json::Value {
+    let files: Vec<_> = verdicts
+        .iter()
+        .map(|verdict| {
+            let diagnostics: Vec<_> = verdict
+                .findings
+                .iter()
+                .map(|finding| {
+                    serde_json::json!({
+                        "code": finding.code,
+                        "severity": finding.severity.name(),
+                        "line": finding.line,
+                        "column": finding.column,
+                        "message": finding.message,
+                    })
+                })
+                .collect();
+            serde_json::json!({
+                "path": verdict.path,
+                "ok": verdict.errors() == 0,
+                "diagnostics": diagnostics,
+            })
+        })
+        .collect();
+    serde_json::json!({ "files": files })
 }
 
 fn extension(path: &Path) -> String {
@@ -101,34 +185,62 @@ fn check_arm(path: &Path) -> Result<String, Vec<String>> {
     ))
 }
 
-/// RAPID modules as one task; returns the number of errors.
-fn check_modules(paths: &[&PathBuf]) -> usize {
-    let mut errors = 0;
+/// The signals of a controller.
+fn check_signals(path: &Path) -> Result<String, Vec<String>> {
+    let bytes = std::fs::read(path)
+        .map_err(|error| vec![format!("cannot read {}: {error}", path.display())])?;
+    let read = EioConfiguration::parse(&depal_rapid::decode(&bytes)).map_err(|errors| {
+        let line = |e: &depal_controller::EioError| {
+            format!("{}:{}: {}", path.display(), e.line, e.message)
+        };
+        errors.iter().map(line).collect::<Vec<_>>()
+    })?;
+    Ok(format!(
+        "good: {} signals, {} cross connections",
+        read.signals.len(),
+        read.connections.len()
+    ))
+}
+
+/// RAPID modules, as one task or each for itself, into the verdicts at the given places.
+fn check_modules(modules: &[(usize, &PathBuf)], verdicts: &mut [Verdict], syntax_only: bool) {
     let mut sources = Vec::new();
-    for path in paths {
-        match depal_scene::read_text(&path.to_string_lossy()) {
-            Ok(text) => sources.push(SourceFile::new(path.to_string_lossy(), text)),
+    let mut places = Vec::new();
+    for (place, path) in modules {
+        match std::fs::read(path) {
+            Ok(bytes) => {
+                let text = depal_rapid::decode(&bytes);
+                sources.push(SourceFile::new(path.to_string_lossy(), text));
+                places.push(*place);
+            }
             Err(error) => {
-                errors += 1;
-                eprintln!("error: cannot read {}: {error}", path.display());
+                let message = format!("cannot read {}: {error}", path.display());
+                eprintln!("error: {message}");
+                let verdict = &mut verdicts[*place];
+                verdict.summary.clear();
+                verdict.findings.push(Finding::of_file("FILE", message));
             }
         }
     }
-    let diagnostics = depal_rapid::check(&sources).diagnostics;
+    if sources.is_empty() {
+        return;
+    }
+    let diagnostics = if syntax_only {
+        depal_rapid::check_syntax(&sources)
+    } else {
+        depal_rapid::check(&sources).diagnostics
+    };
     for diagnostic in &diagnostics {
         eprintln!("{}\n", draw(diagnostic, &sources));
-        errors += usize::from(diagnostic.severity == Severity::Error);
+        let span = diagnostic.primary.span;
+        let index = (span.file as usize).min(sources.len() - 1);
+        let at = sources[index].line_column(span.start);
+        verdicts[places[index]].findings.push(Finding {
+            code: diagnostic.code.to_owned(),
+            severity: diagnostic.severity,
+            line: at.line,
+            column: at.column,
+            message: diagnostic.message.clone(),
+        });
     }
-    for (index, source) in sources.iter().enumerate() {
-        let own = |d: &&depal_vm::Diagnostic| {
-            d.severity == Severity::Error && d.primary.span.file as usize == index
-        };
-        let count = diagnostics.iter().filter(own).count();
-        if count == 0 {
-            println!("{}: good", source.name);
-        } else {
-            println!("{}: {count} error(s)", source.name);
-        }
-    }
-    errors
 }

@@ -7,6 +7,8 @@ use std::process::ExitCode;
 pub enum Failure {
     /// The run is over and missed a threshold of `[accept]`: exit code 1. The report has been shown.
     NotAccepted,
+    /// A robot program stopped on a run-time error, or the input was wrong: all was said already.
+    Told(u8),
     /// The scene, a program or an argument is wrong: exit code 2.
     Input(String),
     /// The machine does not let us: exit code 3.
@@ -20,6 +22,7 @@ impl Failure {
     pub fn report(&self) -> ExitCode {
         match self {
             Self::NotAccepted => ExitCode::from(1),
+            Self::Told(code) => ExitCode::from(*code),
             Self::Input(message) => {
                 eprintln!("error: {message}");
                 ExitCode::from(2)

@@ -2,6 +2,8 @@
 
 mod check;
 mod diagnostics;
+mod exec;
+mod exec_output;
 mod failure;
 mod output;
 mod progress;
@@ -39,7 +41,18 @@ enum Command {
         /// Files to check. RAPID modules given together are one task.
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
+        /// Print the verdicts and all diagnostics as one JSON document on stdout.
+        #[arg(long)]
+        json: bool,
+        /// Only read robot programs, each file for itself: no names, no types.
+        #[arg(long)]
+        syntax_only: bool,
     },
+    /// Run a robot program on the virtual controller alone, with real sockets, in simulated time.
+    ///
+    /// stdout has the lines of TPWrite, nothing else. Exit codes: 0 the program ended, stopped, or --max-sim-s
+    /// was reached; 1 it stopped on a run-time error; 2 bad input, nothing ran.
+    Exec(exec::ExecArgs),
     /// Open a recording in the rerun viewer, or picture it without a display.
     Replay {
         /// The recording, out/<scene>-<seed>/run.rrd.
@@ -107,7 +120,12 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         None => run::demo(),
         Some(Command::Run(args)) => run::run(&args),
-        Some(Command::Check { files }) => check::check(&files),
+        Some(Command::Check {
+            files,
+            json,
+            syntax_only,
+        }) => check::check(&files, json, syntax_only),
+        Some(Command::Exec(args)) => exec::exec(&args),
         Some(Command::Replay { recording, png }) => replay::replay(&recording, png.as_deref()),
         Some(Command::Serve(args)) => serve::serve(&args),
     };

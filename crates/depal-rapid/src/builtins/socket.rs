@@ -236,6 +236,8 @@ fn status(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     Ok(Outcome::Done(Value::Num(match state {
         SocketState::Created => 1.0,
         SocketState::Connected => 2.0,
+        SocketState::Bound => 3.0,
+        SocketState::Listening => 4.0,
         SocketState::Closed => 5.0,
     })))
 }

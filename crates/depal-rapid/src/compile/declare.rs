@@ -22,6 +22,33 @@ pub(crate) fn compile(
     entry: Option<&str>,
     table: &Table,
 ) -> (Program, Vec<Diagnostic>) {
+    let any_signal = signals.is_none();
+    let compiler = run(files, modules, (signals.unwrap_or_default(), any_signal), entry, table);
+    (compiler.program, compiler.diagnostics)
+}
+
+/// Names that are used as signals and are not known, with the kind that their use asks for.
+pub(crate) fn undefined_signals(
+    files: &[SourceFile],
+    modules: &[Module],
+    signals: BTreeMap<String, (String, SignalKind)>,
+    table: &Table,
+) -> Vec<(String, SignalKind)> {
+    let compiler = run(files, modules, (signals, true), None, table);
+    compiler
+        .taken_signals
+        .into_values()
+        .map(|(name, kind)| (name, kind.unwrap_or(SignalKind::Di)))
+        .collect()
+}
+
+fn run<'a>(
+    files: &[SourceFile],
+    modules: &[Module],
+    (signals, any_signal): (BTreeMap<String, (String, SignalKind)>, bool),
+    entry: Option<&str>,
+    table: &'a Table,
+) -> Compiler<'a> {
     let line_starts = files
         .iter()
         .map(|file| {
@@ -46,6 +73,8 @@ pub(crate) fn compile(
         module_scopes: vec![Scope::new(); modules.len()],
         module: 0,
         signals,
+        any_signal,
+        taken_signals: BTreeMap::new(),
         table,
         program: Program {
             builtins: table.builtins(),
@@ -72,7 +101,7 @@ pub(crate) fn compile(
     if let Some(entry) = entry {
         compiler.entry(entry);
     }
-    (compiler.program, compiler.diagnostics)
+    compiler
 }
 
 /// Module data with what is needed to compute their initial values.

@@ -13,6 +13,12 @@ impl Compiler<'_> {
     /// Lowers a value and checks it against `expected`. Signals are read unless a signal is expected.
     pub(crate) fn value(&mut self, expression: &Expression, expected: Option<&Type>) -> Type {
         let found = self.any_value(expression, expected);
+        if let (Type::Signal(None), Some(Type::Signal(Some(kind))), ExpressionKind::Name(name)) =
+            (&found, expected, &expression.kind)
+            && let Some((_, taken)) = self.taken_signals.get_mut(&name.to_lowercase())
+        {
+            taken.get_or_insert(*kind);
+        }
         let found = match (found, expected) {
             (Type::Signal(kind), Some(Type::Signal(_) | Type::Any)) => Type::Signal(kind),
             (Type::Signal(_), _) => {
@@ -159,7 +165,9 @@ impl Compiler<'_> {
             self.emit(Op::Push(Value::Num(*number as f32)));
             return Type::Num;
         }
-        if self.signals.is_none() {
+        if self.any_signal {
+            let taken = self.taken_signals.entry(key.to_owned());
+            taken.or_insert_with(|| (name.to_owned(), None));
             self.emit(Op::Push(Value::Signal(Arc::from(name))));
             self.error(
                 Diagnostic::warning(

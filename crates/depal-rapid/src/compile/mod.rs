@@ -7,5 +7,5 @@ mod scope;
 mod statement;
 pub(crate) mod types;
 
-pub(crate) use declare::compile;
+pub(crate) use declare::{compile, undefined_signals};
 pub(crate) use scope::Callee;

@@ -117,8 +117,11 @@ pub(crate) struct Compiler<'a> {
     pub(crate) task: Scope,
     pub(crate) module_scopes: Vec<Scope>,
     pub(crate) module: usize,
-    /// `None`: any name may be a signal.
-    pub(crate) signals: Option<BTreeMap<String, (String, SignalKind)>>,
+    pub(crate) signals: BTreeMap<String, (String, SignalKind)>,
+    /// Any name may be a signal.
+    pub(crate) any_signal: bool,
+    /// Names taken as signals although they are not known, with the kind that a use asked for.
+    pub(crate) taken_signals: BTreeMap<String, (String, Option<SignalKind>)>,
     pub(crate) table: &'a Table,
     pub(crate) program: Program,
     pub(crate) body: Body,
@@ -180,7 +183,7 @@ impl Compiler<'_> {
 
     /// A routine of this name, even if data of the same name hide it.
     pub(crate) fn lookup_signal(&self, key: &str) -> Option<(String, SignalKind)> {
-        self.signals.as_ref()?.get(key).cloned()
+        self.signals.get(key).cloned()
     }
 
     pub(crate) fn type_name(&self, kind: &Type) -> String {
@@ -210,12 +213,7 @@ impl Compiler<'_> {
             .flat_map(|scope| scope.values())
             .filter(|symbol| filter(symbol))
             .map(|symbol| symbol.name().to_owned());
-        let signals = self.signals.iter().flat_map(|signals| {
-            signals
-                .values()
-                .map(|(name, _)| name.clone())
-                .collect::<Vec<_>>()
-        });
+        let signals = self.signals.values().map(|(name, _)| name.clone());
         nearest_name(wanted, symbols.chain(signals))
     }
 }

@@ -1,0 +1,331 @@
+//! `depal exec`: a robot program on the virtual controller alone, with real sockets.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use depal_arm::Arm;
+use depal_controller::{
+    Controller, ControllerSpec, ControllerState, EioConfiguration, SignalKind, SignalSpec,
+};
+use depal_frames::JointPositions;
+use depal_net::robot_sockets::{HostPort, RobotSockets};
+use depal_rapid::SignalDefinition;
+use depal_time::{SimDuration, SimTime, TICK};
+use depal_vm::{Machine, SourceFile};
+
+use crate::diagnostics::draw;
+use crate::exec_output::{End, Output, Place};
+use crate::failure::Failure;
+
+/// Bits of a group signal that `--auto-signals` makes: as many as RAPID's num holds exactly.
+const AUTO_GROUP_BITS: u8 = 23;
+/// Joint accelerations of an arm from a bare URDF, which has none: rad/s^2, a common figure of large arms.
+const NOMINAL_ACCELERATION: f64 = 10.0;
+
+/// Arguments of `depal exec`.
+#[derive(Args)]
+pub struct ExecArgs {
+    /// Modules of one task (.mod, .sys, .prg, .modx, .sysx), in any order, or a list of them (.pgf).
+    #[arg(required = true, value_name = "PROGRAM")]
+    programs: Vec<PathBuf>,
+    /// I/O configuration of the controller: its signals and cross connections.
+    #[arg(long, value_name = "EIO.cfg")]
+    io: Option<PathBuf>,
+    /// The arm: six revolute joints, flange at the link tool0. Without it every target is reachable.
+    #[arg(long, value_name = "URDF", conflicts_with = "no_kinematics")]
+    robot: Option<PathBuf>,
+    /// Take every target as reachable; no arm is needed.
+    #[arg(long)]
+    no_kinematics: bool,
+    /// Write every event to this file, one JSON document a line.
+    #[arg(long, value_name = "FILE.jsonl")]
+    trace: Option<PathBuf>,
+    /// End after so many simulated seconds.
+    #[arg(long, value_name = "S")]
+    max_sim_s: Option<f64>,
+    /// Print one JSON document on stdout at the end instead of the lines of TPWrite.
+    #[arg(long)]
+    json: bool,
+    /// Make the signals that the program uses and nobody defined, with value 0.
+    #[arg(long)]
+    auto_signals: bool,
+    /// The procedure to start.
+    #[arg(long, value_name = "PROC", default_value = "main")]
+    entry: String,
+    /// Send connections to the first address to the second. May be given many times.
+    #[arg(long, value_name = "HOST:PORT=HOST:PORT", value_parser = route)]
+    connect: Vec<(HostPort, HostPort)>,
+    /// Set an input at a simulated time. May be given many times.
+    #[arg(long, value_name = "NAME=VALUE@SECONDS", value_parser = input_change)]
+    set_di: Vec<InputChange>,
+    /// Answers to the operator's instructions, one a line, in order; lines that begin with # are passed over.
+    #[arg(long, value_name = "FILE")]
+    ui_answers: Option<PathBuf>,
+}
+
+/// An input that changes at a time.
+#[derive(Debug, Clone)]
+struct InputChange {
+    name: String,
+    value: f64,
+    at: SimTime,
+}
+
+fn host_port(text: &str) -> Result<HostPort, String> {
+    let wrong = || format!("{text:?} is no HOST:PORT");
+    let (host, port) = text.rsplit_once(':').ok_or_else(wrong)?;
+    let port = port.parse().map_err(|_| wrong())?;
+    Ok((host.to_owned(), port))
+}
+
+fn route(text: &str) -> Result<(HostPort, HostPort), String> {
+    let (from, to) = text
+        .split_once('=')
+        .ok_or("expected HOST:PORT=HOST:PORT".to_owned())?;
+    Ok((host_port(from)?, host_port(to)?))
+}
+
+fn input_change(text: &str) -> Result<InputChange, String> {
+    let wrong = || format!("{text:?}: expected NAME=VALUE@SECONDS, as in di_start=1@2.5");
+    let (name, rest) = text.split_once('=').ok_or_else(wrong)?;
+    let (value, at) = rest.split_once('@').ok_or_else(wrong)?;
+    let at: f64 = at.trim().parse().map_err(|_| wrong())?;
+    if !(0.0..=1e9).contains(&at) {
+        return Err(format!("{at} s is no simulated time"));
+    }
+    Ok(InputChange {
+        name: name.trim().to_owned(),
+        value: value.trim().parse().map_err(|_| wrong())?,
+        at: SimTime::ZERO + SimDuration::from_secs_f64(at),
+    })
+}
+
+/// Runs the program.
+pub fn exec(args: &ExecArgs) -> Result<(), Failure> {
+    let begun = Instant::now();
+    let output = Output::open(args.json, args.trace.as_deref())?;
+    match prepare(args) {
+        Ok((controller, changes)) => run(args, controller, changes, output, begun),
+        Err(failure) => {
+            let message = match &failure {
+                Failure::Input(message) => message.clone(),
+                _ => String::new(),
+            };
+            output.invalid(&message, begun.elapsed());
+            Err(failure)
+        }
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+    std::fs::read(path)
+        .map_err(|error| Failure::Input(format!("cannot read {}: {error}", path.display())))
+}
+
+/// The modules, with those that program lists name.
+pub fn modules(paths: &[PathBuf]) -> Result<Vec<SourceFile>, Failure> {
+    let mut sources = Vec::new();
+    for path in paths {
+        let text = depal_rapid::decode(&read(path)?);
+        let is_list = path
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("pgf"));
+        if is_list {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            for name in depal_rapid::program_list(&text) {
+                let path = folder.join(name);
+                let text = depal_rapid::decode(&read(&path)?);
+                sources.push(SourceFile::new(path.to_string_lossy(), text));
+            }
+        } else {
+            sources.push(SourceFile::new(path.to_string_lossy(), text));
+        }
+    }
+    Ok(sources)
+}
+
+fn definition(spec: &SignalSpec) -> SignalDefinition {
+    use depal_rapid::SignalKind as Rapid;
+    SignalDefinition {
+        name: spec.name.clone(),
+        kind: match spec.kind {
+            SignalKind::DigitalInput => Rapid::Di,
+            SignalKind::DigitalOutput => Rapid::Do,
+            SignalKind::GroupInput { .. } => Rapid::Gi,
+            SignalKind::GroupOutput { .. } => Rapid::Go,
+            SignalKind::AnalogInput => Rapid::Ai,
+            SignalKind::AnalogOutput => Rapid::Ao,
+        },
+    }
+}
+
+fn auto_signal(definition: &SignalDefinition) -> SignalSpec {
+    use depal_rapid::SignalKind as Rapid;
+    let bits = AUTO_GROUP_BITS;
+    let kind = match definition.kind {
+        Rapid::Di => SignalKind::DigitalInput,
+        Rapid::Do => SignalKind::DigitalOutput,
+        Rapid::Gi => SignalKind::GroupInput { bits },
+        Rapid::Go => SignalKind::GroupOutput { bits },
+        Rapid::Ai => SignalKind::AnalogInput,
+        Rapid::Ao => SignalKind::AnalogOutput,
+    };
+    SignalSpec::new(&definition.name, kind)
+}
+
+/// Everything that can be wrong before anything runs.
+fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>), Failure> {
+    if let Some(limit) = args.max_sim_s
+        && !(limit > 0.0 && limit <= 1e9)
+    {
+        return Err(Failure::Input(format!(
+            "--max-sim-s is {limit}, expected seconds above 0"
+        )));
+    }
+    let sources = modules(&args.programs)?;
+    let mut io = EioConfiguration::default();
+    if let Some(path) = &args.io {
+        let text = depal_rapid::decode(&read(path)?);
+        io = EioConfiguration::parse(&text).map_err(|errors| {
+            let lines: Vec<_> = errors
+                .iter()
+                .map(|e| format!("{}:{}: {}", path.display(), e.line, e.message))
+                .collect();
+            Failure::Input(lines.join("\n"))
+        })?;
+    }
+    let known: Vec<_> = io.signals.iter().map(definition).collect();
+    let loaded = if args.auto_signals {
+        let (loaded, added) =
+            depal_rapid::load_with_auto_signals(&sources, &known, &args.entry);
+        io.signals.extend(added.iter().map(auto_signal));
+        loaded
+    } else {
+        depal_rapid::load(&sources, &known, &args.entry)
+    };
+    for diagnostic in &loaded.diagnostics {
+        eprintln!("{}\n", draw(diagnostic, &sources));
+    }
+    let program = loaded.program.ok_or_else(|| {
+        Failure::Input(format!(
+            "the program was not started: {} problem(s) found",
+            loaded.diagnostics.len()
+        ))
+    })?;
+    let mut changes = args.set_di.clone();
+    changes.sort_by_key(|change| change.at);
+    if args.auto_signals {
+        for change in &changes {
+            let defined = |s: &SignalSpec| s.name.eq_ignore_ascii_case(&change.name);
+            if !io.signals.iter().any(defined) {
+                let kind = SignalKind::DigitalInput;
+                io.signals.push(SignalSpec::new(&change.name, kind));
+            }
+        }
+    }
+    for change in &changes {
+        let found = io
+            .signals
+            .iter()
+            .find(|s| s.name.eq_ignore_ascii_case(&change.name));
+        if found.is_none_or(|signal| !signal.kind.is_input()) {
+            return Err(Failure::Input(format!(
+                "--set-di {}: there is no such input; define it in the file of --io",
+                change.name
+            )));
+        }
+    }
+    let answers = match &args.ui_answers {
+        None => VecDeque::new(),
+        Some(path) => depal_rapid::decode(&read(path)?)
+            .lines()
+            .filter(|line| !line.starts_with('#'))
+            .map(str::to_owned)
+            .collect(),
+    };
+    let machine = Machine::new(program, "T_ROB1").single_cycle();
+    let invalid = |error: depal_controller::ControllerError| Failure::Input(error.to_string());
+    let mut controller = match &args.robot {
+        None => {
+            let mut spec = ControllerSpec::without_arm("ROB_1");
+            spec.signals = io.signals;
+            spec.connections = io.connections;
+            spec.answers = answers;
+            Controller::without_arm(spec).map_err(invalid)?
+        }
+        Some(path) => {
+            let text = depal_rapid::decode(&read(path)?);
+            let arm = Arm::from_urdf(&text, &path.to_string_lossy(), &[NOMINAL_ACCELERATION; 6])
+                .map_err(|error| Failure::Input(error.to_string()))?;
+            let start: Vec<f64> = arm
+                .limits()
+                .iter()
+                .map(|limit| 0f64.clamp(limit.lower, limit.upper))
+                .collect();
+            let start = JointPositions::from_slice(&start);
+            let mut spec = ControllerSpec::new("ROB_1", Arc::new(arm), start);
+            spec.signals = io.signals;
+            spec.connections = io.connections;
+            spec.answers = answers;
+            Controller::new(spec).map_err(invalid)?
+        }
+    };
+    controller.set_task(Box::new(machine));
+    Ok((controller, changes))
+}
+
+fn run(
+    args: &ExecArgs,
+    mut controller: Controller,
+    changes: Vec<InputChange>,
+    mut output: Output,
+    begun: Instant,
+) -> Result<(), Failure> {
+    let mut sockets = RobotSockets::new(args.connect.clone());
+    let limit = args
+        .max_sim_s
+        .map(|s| SimTime::ZERO + SimDuration::from_secs_f64(s));
+    let mut changes = changes.into_iter().peekable();
+    let mut now = SimTime::ZERO;
+    let end = loop {
+        // A change in the middle of a tick is seen from the next tick on.
+        while let Some(change) = changes.next_if(|change| change.at <= now) {
+            controller
+                .set_input(&change.name, change.value)
+                .map_err(|fault| Failure::Input(format!("--set-di {}: {fault:?}", change.name)))?;
+        }
+        controller.tick(now, &mut sockets);
+        let tick_begin = now;
+        now += TICK;
+        while let Some(event) = controller.poll_event() {
+            output.event(&event)?;
+        }
+        match controller.state() {
+            ControllerState::Running => {}
+            // Queued moves are carried out to their end.
+            ControllerState::Finished if !controller.is_standing() => continue,
+            ControllerState::Finished => break End::Ended,
+            ControllerState::Stopped(_) => break End::Stopped,
+            ControllerState::Failed(error) => break End::Failed(Place::of(error)),
+            ControllerState::Idle => break End::Idle,
+        }
+        if limit.is_some_and(|limit| now >= limit) {
+            break End::TimeLimit;
+        }
+        if controller.waits_for_ever() && changes.peek().is_none() {
+            break End::Idle;
+        }
+        if sockets.is_waiting() {
+            let ahead = now.saturating_since(tick_begin);
+            sockets.wait(Duration::from_nanos(ahead.as_nanos()));
+        }
+    };
+    output.finish(&end, now, begun.elapsed())?;
+    match end {
+        End::Failed(_) => Err(Failure::Told(1)),
+        _ => Ok(()),
+    }
+}
