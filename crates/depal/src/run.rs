@@ -39,7 +39,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
 }
 
 fn run_scene(args: &RunArgs) -> Result<PathBuf, Failure> {
-    let scene = load_scene(args)?;
+    let scene = load(args.scene.as_deref(), &args.set, args.seed)?;
     let built = scene
         .build()
         .map_err(|error| Failure::Input(explain(&error)))?;
@@ -89,9 +89,9 @@ fn run_scene(args: &RunArgs) -> Result<PathBuf, Failure> {
     verdict(&report, &outcome).map(|()| folder.into_path())
 }
 
-fn load_scene(args: &RunArgs) -> Result<Scene, Failure> {
-    let overrides = args
-        .set
+/// The scene of a file, or the demo, with its overrides.
+pub fn load(file: Option<&Path>, set: &[String], seed: Option<u64>) -> Result<Scene, Failure> {
+    let overrides = set
         .iter()
         .map(|text| {
             text.split_once('=')
@@ -103,9 +103,9 @@ fn load_scene(args: &RunArgs) -> Result<Scene, Failure> {
                 })
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let scene = match &args.scene {
-        None => Scene::demo(&overrides, args.seed),
-        Some(path) => Scene::load_file(&path.to_string_lossy(), &overrides, args.seed),
+    let scene = match file {
+        None => Scene::demo(&overrides, seed),
+        Some(path) => Scene::load_file(&path.to_string_lossy(), &overrides, seed),
     };
     scene.map_err(|errors| Failure::Input(errors.to_string()))
 }
