@@ -31,6 +31,39 @@ pub fn detect(frame: &DepthFrame, settings: &VisionSettings) -> Detection {
     detection
 }
 
+/// Finds every whole uncovered top face of any size with four true edges, and measures it; the
+/// settings' sizes are not looked at. The height is unknown and given as 0. Cartons without a gap
+/// between them cannot be told apart without their size. Pure, as [`detect`].
+pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detection {
+    let Some(image) = gate(frame, settings) else {
+        return Detection::default();
+    };
+    let mut detection = Detection {
+        points_in_region: image.points_in_region,
+        ..Detection::default()
+    };
+    if image.points_in_region == 0 {
+        return detection;
+    }
+    let (depth, inside) = image.with_lone_holes_filled();
+    let mask = surface_mask(&depth, &inside, image.width, image.height, settings.step);
+    let mut found = Vec::new();
+    for component in components(&mask, image.width) {
+        match Surface::new(component, &depth, &image, settings, SMALLEST_MEASURED)
+            .and_then(|surface| surface.measure(&mask, &image, settings).map_err(Some))
+        {
+            Ok(measured) => found.push(measured),
+            Err(rejected) => detection.rejected.extend(rejected),
+        }
+    }
+    keep_best(found, settings, &mut detection);
+    detection.obstacle_points = obstacle_points(&image, &detection.boxes, settings.obstacle_voxel);
+    detection
+}
+
+/// Smallest top face looked for when sizes are unknown, square metres.
+const SMALLEST_MEASURED: f64 = 0.02;
+
 fn is_usable(size: &BoxSize) -> bool {
     [size.length, size.width]
         .iter()
@@ -85,6 +118,15 @@ fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Det
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
+    keep_best(found, settings, detection);
+}
+
+/// Of boxes that overlap the most confident one, inside the region, nearest first.
+fn keep_best(
+    mut found: Vec<DetectedBox>,
+    settings: &VisionSettings,
+    detection: &mut Detection,
+) {
     found.sort_by(|a, b| b.confidence.total_cmp(&a.confidence).then(nearer(a, b)));
     for b in found {
         let inside_region = settings

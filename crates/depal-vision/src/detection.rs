@@ -6,7 +6,8 @@ pub struct DetectedBox {
     /// Centre of the top face: Z out of the face towards the camera, X along the long side
     /// (of its two directions the one with positive X in the camera frame, or positive Y if X is 0).
     pub camera_from_box: Pose,
-    /// The known size that fits, metres.
+    /// The known size that fits, metres; from [`detect_any_size`](crate::detect_any_size) the
+    /// measured sides, with height 0 for unknown.
     pub size: BoxSize,
     /// Index of that size in the settings.
     pub label: u32,

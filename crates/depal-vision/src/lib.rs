@@ -24,6 +24,7 @@
 //! 4. `orientation`, `patch`: each piece resampled in its own axes, with running sums.
 //! 5. `search`: rectangles of the known sizes whose sides show edges.
 //! 6. `arrange`: surfaces without visible gaps are covered exactly by the known sizes.
+//!    `measure`: tops of unknown size, where all four sides fall away.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
 //! 8. `verify`: size, wholeness, cover, tilt. `obstacles`: what nothing reported explains.
 //!
@@ -47,6 +48,8 @@ mod components;
 mod detect;
 mod detection;
 mod gate;
+mod measure;
+mod noise;
 mod obstacles;
 mod orientation;
 mod patch;
@@ -58,6 +61,6 @@ mod steps;
 mod surface;
 mod verify;
 
-pub use detect::detect;
+pub use detect::{detect, detect_any_size};
 pub use detection::{DetectedBox, Detection, RejectReason, RejectedSurface};
 pub use settings::{RegionOfInterest, VisionSettings};

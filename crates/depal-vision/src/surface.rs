@@ -5,6 +5,7 @@ use crate::{
     arrange::{arrange, touches},
     components::Component,
     gate::DepthImage,
+    measure::measure_whole,
     orientation::{main_direction, outline},
     patch::{Patch, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
@@ -132,6 +133,17 @@ impl Surface {
     ) -> Result<Vec<DetectedBox>, RejectedSurface> {
         let patch = self.patch(mask, image, settings)?;
         Ok(outlined(&patch, image, settings, &mut Vec::new()).1)
+    }
+
+    /// The carton of unknown size that this surface is.
+    pub fn measure(
+        &self,
+        mask: &[u8],
+        image: &DepthImage,
+        settings: &VisionSettings,
+    ) -> Result<DetectedBox, RejectedSurface> {
+        let patch = self.patch(mask, image, settings)?;
+        measure_whole(&patch, image, settings, self.area)
     }
 
     /// Boxes whose outline can be seen, and those that follow from covering the rest.

@@ -35,6 +35,34 @@ pub fn verify(
 ) -> Result<DetectedBox, RejectReason> {
     let size = settings.sizes[label as usize];
     let extents = crate::search::extents(&size, turned);
+    let (found, _) = check(image, settings, start, extents, proof)?;
+    Ok(DetectedBox {
+        size,
+        label,
+        ..found
+    })
+}
+
+/// The same for a rectangle of unknown size that is about `extents` large; also the sides as
+/// measured, along X and Y of `start`. The height stays 0: one picture from above does not show it.
+pub fn verify_measured(
+    image: &DepthImage,
+    settings: &VisionSettings,
+    start: PlaneFrame,
+    extents: [f64; 2],
+    proof: Proof,
+) -> Result<(DetectedBox, [f64; 2]), RejectReason> {
+    check(image, settings, start, extents, proof)
+}
+
+fn check(
+    image: &DepthImage,
+    settings: &VisionSettings,
+    start: PlaneFrame,
+    extents: [f64; 2],
+    proof: Proof,
+) -> Result<(DetectedBox, [f64; 2]), RejectReason> {
+    let turned = extents[1] > extents[0];
     let tolerance = settings.plane_tolerance;
     let pitch = pixel_pitch(&start, &image.intrinsics);
 
@@ -53,11 +81,13 @@ pub fn verify(
         return Err(RejectReason::NoKnownSize);
     }
     let mut misfit = 0.0f64;
+    let mut measured = extents;
     for axis in 0..2 {
         let (low, high) = (fit.sides[2 * axis], fit.sides[2 * axis + 1]);
         if low.seen >= LEAST_SEEN && high.seen >= LEAST_SEEN {
             let error = low.offset + high.offset + 2.0 * INSET_PIXELS * pitch;
             misfit = misfit.max(error.abs());
+            measured[axis] += error;
         }
     }
     let allowed = settings.size_tolerance + pitch;
@@ -88,14 +118,19 @@ pub fn verify(
     let visible_fraction = seen.share(Class::On);
     let confidence =
         (0.4 + 0.6 * mean_seen) * (1.0 - 0.5 * misfit / allowed) * visible_fraction.sqrt();
-    Ok(DetectedBox {
+    let found = DetectedBox {
         camera_from_box: pose(&fit, turned),
-        size: BoxSize { ..size },
-        label,
+        size: BoxSize {
+            length: measured[0].max(measured[1]),
+            width: measured[0].min(measured[1]),
+            height: 0.0,
+        },
+        label: 0,
         confidence: confidence.clamp(0.0, 1.0),
         visible_fraction,
         proven_sides: proven as u32,
-    })
+    };
+    Ok((found, measured))
 }
 
 /// Pose with X along the long side, of its two directions the one towards positive camera X.

@@ -1,12 +1,16 @@
 //! `depal`: a robot cell on your laptop. See the README for what it simulates and what it does not.
 
 mod check;
+mod detect;
 mod diagnostics;
 mod exec;
 mod exec_output;
+mod image_file;
 mod failure;
 mod output;
+mod overlay;
 mod progress;
+mod render;
 mod replay;
 mod replay_setup;
 mod run;
@@ -53,6 +57,17 @@ enum Command {
     /// stdout has the lines of TPWrite, nothing else. Exit codes: 0 the program ended, stopped, or --max-sim-s
     /// was reached; 1 it stopped on a run-time error; 2 bad input, nothing ran.
     Exec(exec::ExecArgs),
+    /// Take one picture with a scene's camera, cartons at rest, and write what it saw and what was there.
+    ///
+    /// Writes depth.png (16 bit, 0.1 mm, 0 = invalid), intensity.png, intrinsics.json, truth.json and
+    /// cloud.ply (camera frame, metres).
+    Render(render::RenderArgs),
+    /// Find cartons in a depth image, of any camera: 16-bit PNG, 0 = invalid.
+    ///
+    /// The pose of a box is the centre of its top face in the camera frame (X right, Y down, Z forward):
+    /// Z out of the face, X along the longer side. Exit codes: 0 done, whatever was found; 2 bad input;
+    /// 3 a file cannot be written.
+    Detect(detect::DetectArgs),
     /// Open a recording in the rerun viewer, or picture it without a display.
     Replay {
         /// The recording, out/<scene>-<seed>/run.rrd.
@@ -126,6 +141,8 @@ fn main() -> ExitCode {
             syntax_only,
         }) => check::check(&files, json, syntax_only),
         Some(Command::Exec(args)) => exec::exec(&args),
+        Some(Command::Render(args)) => render::render(&args),
+        Some(Command::Detect(args)) => detect::detect(&args),
         Some(Command::Replay { recording, png }) => replay::replay(&recording, png.as_deref()),
         Some(Command::Serve(args)) => serve::serve(&args),
     };

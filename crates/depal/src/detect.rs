@@ -1,0 +1,164 @@
+//! `depal detect`: carton poses from a depth image of any camera.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use depal_frames::{BoxSize, DepthFrame};
+use depal_vision::{DetectedBox, VisionSettings};
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+use crate::image_file::{colour_png, read_depth, read_grey, read_intrinsics, write};
+use crate::overlay::overlay;
+
+/// Arguments of `depal detect`.
+#[derive(Args)]
+pub struct DetectArgs {
+    /// Depth image, 16-bit grey PNG; 0 = invalid.
+    #[arg(value_name = "DEPTH.png")]
+    depth: PathBuf,
+    /// Pinhole model: {"width","height","fx","fy","cx","cy"} in pixels.
+    #[arg(long, value_name = "FILE.json")]
+    intrinsics: PathBuf,
+    /// A known carton size in mm, as in 400x300x250; may be given many times. Without it, sizes are measured.
+    #[arg(long = "box", value_name = "LxWxH")]
+    boxes: Vec<String>,
+    /// One step of the depth image, mm.
+    #[arg(long, value_name = "MM", default_value_t = 0.1)]
+    depth_scale_mm: f64,
+    /// Intensity image of the same size, 8-bit grey PNG.
+    #[arg(long, value_name = "FILE.png")]
+    intensity: Option<PathBuf>,
+    /// Write a picture of the result to this file.
+    #[arg(long, value_name = "FILE.png")]
+    overlay: Option<PathBuf>,
+    /// Print the result as one JSON document on stdout.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Reads, estimates, prints.
+pub fn detect(args: &DetectArgs) -> Result<(), Failure> {
+    if !(1e-4..=100.0).contains(&args.depth_scale_mm) {
+        return Err(Failure::Input(format!(
+            "--depth-scale-mm: expected 0.0001 to 100, found {}",
+            args.depth_scale_mm
+        )));
+    }
+    let sizes = args
+        .boxes
+        .iter()
+        .map(|text| parse_size(text))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(Failure::Input)?;
+    let intrinsics = read_intrinsics(&args.intrinsics)?;
+    let frame = DepthFrame {
+        intrinsics,
+        depth: read_depth(&args.depth, &intrinsics, args.depth_scale_mm * 1e-3)?,
+        intensity: match &args.intensity {
+            Some(path) => read_grey(path, &intrinsics)?,
+            None => Vec::new(),
+        },
+    };
+    let started = Instant::now();
+    let settings = VisionSettings::new(sizes).suited_to(&frame);
+    let detection = if args.boxes.is_empty() {
+        depal_vision::detect_any_size(&frame, &settings)
+    } else {
+        depal_vision::detect(&frame, &settings)
+    };
+    let time_ms = started.elapsed().as_secs_f64() * 1e3;
+
+    if let Some(path) = &args.overlay {
+        write(
+            path,
+            &colour_png(&intrinsics, &overlay(&frame, &detection.boxes))?,
+        )?;
+    }
+    if args.json {
+        let boxes: Vec<Value> = detection.boxes.iter().map(box_json).collect();
+        println!(
+            "{}",
+            json!({"boxes": boxes, "time_ms": round(time_ms, 1e3)})
+        );
+    } else {
+        print_for_people(&frame, &detection.boxes, time_ms);
+    }
+    Ok(())
+}
+
+fn print_for_people(frame: &DepthFrame, boxes: &[DetectedBox], time_ms: f64) {
+    eprintln!("{} boxes in {time_ms:.1} ms", boxes.len());
+    for found in boxes {
+        let at = found.camera_from_box.translation.vector * 1e3;
+        let [l, w, _] = found.size.to_mm();
+        eprintln!(
+            "  at ({:8.1} {:8.1} {:8.1}) mm   {l:.0} x {w:.0} mm   confidence {:.2}",
+            at.x, at.y, at.z, found.confidence
+        );
+    }
+    if frame.depth.iter().all(|&z| z == 0.0) {
+        eprintln!("no pixel of the depth image is valid");
+    }
+}
+
+fn box_json(found: &DetectedBox) -> Value {
+    let at = found.camera_from_box.translation.vector * 1e3;
+    let q = found.camera_from_box.rotation;
+    let [l, w, h] = found.size.to_mm().map(|side| round(side, 1e3));
+    let height = if h > 0.0 { json!(h) } else { Value::Null };
+    json!({
+        "center_mm": [at.x, at.y, at.z].map(|x| round(x, 1e6)),
+        "quat_wxyz": [q.w, q.i, q.j, q.k],
+        "size_mm": [json!(l), json!(w), height],
+        "label": found.label,
+        "confidence": round(found.confidence, 1e6),
+    })
+}
+
+fn round(x: f64, steps: f64) -> f64 {
+    (x * steps).round() / steps
+}
+
+/// "400x300x250" in mm; the longer of the first two sides becomes the length.
+fn parse_size(text: &str) -> Result<BoxSize, String> {
+    let wrong = || {
+        format!(
+            "--box {text}: expected length x width x height in mm, 20 to 3000 each, as in 400x300x250"
+        )
+    };
+    let sides = text
+        .split(['x', 'X'])
+        .map(|side| side.trim().parse::<f64>())
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|_| wrong())?;
+    let &[a, b, c] = sides.as_slice() else {
+        return Err(wrong());
+    };
+    if sides.iter().all(|side| (20.0..=3000.0).contains(side)) {
+        Ok(BoxSize::from_mm([a.max(b), a.min(b), c]))
+    } else {
+        Err(wrong())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_size;
+
+    #[test]
+    fn sizes_are_read_strictly() {
+        let size = parse_size("300x400x250.5").expect("a size");
+        for (side, mm) in size.to_mm().into_iter().zip([400.0, 300.0, 250.5]) {
+            assert!((side - mm).abs() < 1e-9);
+        }
+        for wrong in [
+            "", "400", "400x300", "400x300x250x1", "ax1x1", "400x-300x250", "400x300xNaN",
+            "1x1x1", "400x300xinf",
+        ] {
+            let message = parse_size(wrong).unwrap_err();
+            assert!(message.contains("400x300x250"), "{message}");
+        }
+    }
+}

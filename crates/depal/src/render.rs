@@ -1,0 +1,181 @@
+//! `depal render`: one picture with a scene's camera, and the truth about it.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use depal_camera::{Material, RenderShape, sense};
+use depal_cell::spec::CellSpec;
+use depal_frames::{DepthFrame, Pose};
+use depal_scene::Scene;
+use depal_time::RandomStreams;
+use depal_world::{VisibleKind, World};
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+use crate::image_file::{depth_png, grey_png, write};
+use crate::run::{explain, load};
+
+/// Arguments of `depal render`.
+#[derive(Args)]
+pub struct RenderArgs {
+    /// Scene file; the built-in demo if left out.
+    scene: Option<PathBuf>,
+    /// Seed of everything random; the scene's own if left out.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Folder for the files; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Override a key of the scene, as in camera.sensor=ideal. May be given many times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Print the computing times as one JSON document on stdout.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Settles the cartons, takes the picture, writes the files.
+pub fn render(args: &RenderArgs) -> Result<(), Failure> {
+    let scene = load_scene(args.scene.as_deref(), &args.set, args.seed)?;
+    let spec = scene
+        .cell_spec()
+        .map_err(|error| Failure::Input(explain(&error)))?;
+    let world = world_at_rest(&spec);
+    let shapes = shapes_of(&world);
+
+    // The first picture fetches memory and tables; the second is what a camera does again and again.
+    let mut rendering = depal_camera::render(&spec.camera, &spec.world_from_camera, &shapes);
+    let noise_seed = RandomStreams::new(spec.seed).stream("camera/1").next_u64();
+    drop(sense(&spec.camera, &rendering, noise_seed));
+    let started = Instant::now();
+    rendering.redraw(&spec.camera, &spec.world_from_camera, &shapes);
+    let render_ms = started.elapsed().as_secs_f64() * 1e3;
+    let started = Instant::now();
+    let frame = sense(&spec.camera, &rendering, noise_seed).frame;
+    let sensor_ms = started.elapsed().as_secs_f64() * 1e3;
+
+    std::fs::create_dir_all(&args.out).map_err(|error| {
+        Failure::Environment(format!(
+            "cannot make the folder {}: {error}\nhelp: name another folder with --out DIR",
+            args.out.display()
+        ))
+    })?;
+    let i = &frame.intrinsics;
+    let text = |value: Value| format!("{value:#}\n").into_bytes();
+    let intrinsics = json!({
+        "width": i.width, "height": i.height, "fx": i.fx, "fy": i.fy, "cx": i.cx, "cy": i.cy,
+    });
+    for (name, bytes) in [
+        ("depth.png", depth_png(i, &frame.depth)?),
+        ("intensity.png", grey_png(i, &frame.intensity)?),
+        ("intrinsics.json", text(intrinsics)),
+        ("truth.json", text(truth(&spec, &world))),
+        ("cloud.ply", cloud(&frame)),
+    ] {
+        write(&args.out.join(name), &bytes)?;
+    }
+    if args.json {
+        let round = |ms: f64| (ms * 1e3).round() / 1e3;
+        println!(
+            "{}",
+            json!({"render_ms": round(render_ms), "sensor_ms": round(sensor_ms)})
+        );
+    } else {
+        eprintln!("rendered in {render_ms:.1} ms, sensor {sensor_ms:.1} ms");
+        eprintln!("results      {}", args.out.display());
+    }
+    Ok(())
+}
+
+/// Cartons settled on their pallet, the arm at its start.
+fn world_at_rest(spec: &CellSpec) -> World {
+    let mut world = World::new(&spec.world);
+    for carton in &spec.cartons {
+        world.add_carton(carton);
+    }
+    let links: Vec<_> = spec
+        .arm
+        .links()
+        .iter()
+        .map(|link| (link.name.clone(), link.collision.clone()))
+        .collect();
+    world.add_arm(&links, &spec.gripper);
+    let start = &spec.controller.start;
+    let world_from_links: Vec<Pose> = spec
+        .arm
+        .base_from_links(start)
+        .iter()
+        .map(|base_from_link| spec.world_from_base * base_from_link)
+        .collect();
+    let world_from_tcp =
+        spec.world_from_base * spec.arm.base_from_flange(start) * spec.gripper.flange_from_tcp;
+    world.set_arm(&world_from_links, &world_from_tcp);
+    world.settle(spec.settle_time);
+    world
+}
+
+fn shapes_of(world: &World) -> Vec<RenderShape> {
+    world
+        .visible_shapes()
+        .into_iter()
+        .map(|visible| RenderShape {
+            world_from_shape: visible.shape.pose,
+            shape: visible.shape.shape,
+            id: visible.id,
+            material: match visible.kind {
+                VisibleKind::Carton(_) => Material::KRAFT,
+                VisibleKind::Fixed(_) => Material::WOOD,
+                VisibleKind::Conveyor(_) => Material::CONCRETE,
+                VisibleKind::Link(_) | VisibleKind::Tool => Material::PAINT,
+            },
+        })
+        .collect()
+}
+
+/// Camera and cartons (geometric centres) in the robot's base frame.
+fn truth(spec: &CellSpec, world: &World) -> Value {
+    let base_from_world = spec.world_from_base.inverse();
+    let pose = |base_from_it: Pose| {
+        let t = base_from_it.translation.vector * 1e3;
+        let q = base_from_it.rotation;
+        json!({"xyz_mm": [t.x, t.y, t.z], "quat_wxyz": [q.w, q.i, q.j, q.k]})
+    };
+    let boxes: Vec<Value> = world
+        .cartons()
+        .into_iter()
+        .map(|carton| {
+            json!({
+                "size_mm": carton.size.to_mm(),
+                "pose": pose(base_from_world * carton.world_from_centre),
+            })
+        })
+        .collect();
+    json!({
+        "camera": {"base_from_camera": pose(base_from_world * spec.world_from_camera)},
+        "boxes": boxes,
+    })
+}
+
+/// The valid points in the camera frame, metres, with their grey value: PLY, binary.
+fn cloud(frame: &DepthFrame) -> Vec<u8> {
+    let i = &frame.intrinsics;
+    let points = frame.depth.iter().filter(|&&z| z > 0.0).count();
+    let mut file = Vec::with_capacity(points * 13 + 300);
+    write!(
+        file,
+        "ply\nformat binary_little_endian 1.0\ncomment camera frame, metres: X right, Y down, Z forward\n\
+         element vertex {points}\nproperty float x\nproperty float y\nproperty float z\n\
+         property uchar intensity\nend_header\n"
+    )
+    .expect("writing to memory does not fail");
+    for (n, &z) in frame.depth.iter().enumerate().filter(|(_, z)| **z > 0.0) {
+        let p = i.deproject((n % i.width) as f64, (n / i.width) as f64, f64::from(z));
+        for coordinate in [p.x, p.y, p.z] {
+            file.extend((coordinate as f32).to_le_bytes());
+        }
+        file.push(frame.intensity.get(n).copied().unwrap_or(0));
+    }
+    file
+}
