@@ -1,10 +1,12 @@
 use depal_frames::{JointPositions, PlacedShape, Pose, convert};
 
 use crate::{
-    ArmError,
+    ArmError, ArmWarning,
     chain::{Chain, Motion},
+    numeric,
     opw::Solver,
-    urdf::{self, Loaded},
+    palletizer::Palletizer,
+    urdf::{self, Accelerations, Loaded},
 };
 
 /// What one joint may do.
@@ -33,7 +35,7 @@ pub struct Link {
     pub mass: f64,
 }
 
-/// A six-axis arm: constant geometry and limits. See the crate's first page.
+/// An arm: constant geometry and limits. See the crate's first page.
 #[derive(Debug, Clone)]
 pub struct Arm {
     name: String,
@@ -41,7 +43,19 @@ pub struct Arm {
     limits: Vec<JointLimit>,
     links: Vec<Link>,
     chain: Chain,
-    solver: Solver,
+    inverse: Inverse,
+    tip: String,
+    warnings: Vec<ArmWarning>,
+}
+
+/// How joints are found for a flange pose.
+#[derive(Debug, Clone)]
+enum Inverse {
+    /// Six axes, ortho-parallel with a spherical wrist.
+    Wrist(Box<Solver>),
+    /// Four axes with a parallelogram.
+    Palletizer(Palletizer),
+    Numeric,
 }
 
 /// A solution may lie outside a limit by this much, rad; it is then put onto the limit.
@@ -65,17 +79,96 @@ impl Arm {
         source_name: &str,
         max_accelerations: &[f64],
     ) -> Result<Self, ArmError> {
-        let loaded = urdf::load(text, source_name, max_accelerations)?;
-        let solver = Solver::recognise(&loaded.chain, &loaded.joint_names, source_name)?;
-        check_forward(&loaded, &solver, source_name)?;
+        Self::load(text, source_name, &Accelerations::PerJoint(max_accelerations))
+    }
+
+    /// Reads a URDF and gives every joint the same acceleration limit, rad/s2: for questions of geometry,
+    /// or until [`Arm::with_rates`] sets true ones.
+    ///
+    /// # Errors
+    /// See [`ArmError`]: every fault names file and element.
+    pub fn from_urdf_uniform(
+        text: &str,
+        source_name: &str,
+        max_acceleration: f64,
+    ) -> Result<Self, ArmError> {
+        Self::load(text, source_name, &Accelerations::Uniform(max_acceleration))
+    }
+
+    fn load(
+        text: &str,
+        source_name: &str,
+        accelerations: &Accelerations,
+    ) -> Result<Self, ArmError> {
+        let loaded = urdf::load(text, source_name, accelerations)?;
+        let mut warnings = loaded.warnings.clone();
+        let (chain, names) = (&loaded.chain, &loaded.joint_names);
+        let inverse = if let Some(palletizer) = Palletizer::recognise(chain, names) {
+            Inverse::Palletizer(palletizer)
+        } else {
+            match Solver::recognise(chain, names) {
+                Ok(solver) => Inverse::Wrist(Box::new(solver)),
+                Err(reason) => {
+                    warnings.push(ArmWarning::NumericInverse { reason });
+                    Inverse::Numeric
+                }
+            }
+        };
+        check_forward(&loaded, &inverse, source_name)?;
         Ok(Self {
             name: loaded.robot.name,
             joint_names: loaded.joint_names,
             limits: loaded.limits,
             links: loaded.links,
             chain: loaded.chain,
-            solver,
+            inverse,
+            tip: loaded.tip,
+            warnings,
         })
+    }
+
+    /// The same arm with other limits of speed (rad/s) and acceleration (rad/s2), base to flange.
+    ///
+    /// # Errors
+    /// [`ArmError::AccelerationCount`] when a list does not fit the joints, [`ArmError::NotPositive`].
+    pub fn with_rates(
+        mut self,
+        max_speeds: &[f64],
+        max_accelerations: &[f64],
+    ) -> Result<Self, ArmError> {
+        for values in [max_speeds, max_accelerations] {
+            if values.len() != self.limits.len() {
+                return Err(ArmError::AccelerationCount {
+                    file: self.name,
+                    found: values.len(),
+                    expected: self.limits.len(),
+                });
+            }
+        }
+        for (i, limit) in self.limits.iter_mut().enumerate() {
+            for (what, value) in [("speed", max_speeds[i]), ("acceleration", max_accelerations[i])] {
+                if !(value > 0.0 && value.is_finite()) {
+                    return Err(ArmError::NotPositive {
+                        file: self.name,
+                        element: format!("{what} limit of joint '{}'", self.joint_names[i]),
+                        value,
+                    });
+                }
+            }
+            limit.max_speed = max_speeds[i];
+            limit.max_acceleration = max_accelerations[i];
+        }
+        Ok(self)
+    }
+
+    /// What was left out of the description: meshes, joints beside the chain, a closed form.
+    pub fn warnings(&self) -> &[ArmWarning] {
+        &self.warnings
+    }
+
+    /// Name of the flange link.
+    pub fn tip(&self) -> &str {
+        &self.tip
     }
 
     /// Name of the robot in the file.
@@ -83,7 +176,7 @@ impl Arm {
         &self.name
     }
 
-    /// Number of joints: 6.
+    /// Number of driven joints between base and flange.
     pub fn joint_count(&self) -> usize {
         self.limits.len()
     }
@@ -150,7 +243,7 @@ impl Arm {
     /// At a singularity of the wrist one of the endless many is given.
     pub fn inverse(&self, base_from_flange: &Pose) -> Vec<JointPositions> {
         let mut solutions = Vec::new();
-        for branch in self.solver.branches(base_from_flange, None) {
+        for branch in self.branches(base_from_flange, None) {
             self.add_turns(&branch, &mut solutions);
         }
         solutions.sort_by(compare);
@@ -160,13 +253,19 @@ impl Arm {
 
     /// The solution of [`Arm::inverse`] whose largest joint difference from `near` is smallest; none when out of reach.
     /// At a singularity of the wrist joints 4 and 6 stay near `near`.
+    /// Without a closed form it is the one that a descent from `near` finds, if it finds one.
     pub fn inverse_nearest(
         &self,
         base_from_flange: &Pose,
         near: &JointPositions,
     ) -> Option<JointPositions> {
         let mut solutions = Vec::new();
-        for branch in self.solver.branches(base_from_flange, Some(near)) {
+        if matches!(self.inverse, Inverse::Numeric) && base_from_flange.translation.vector.iter().all(|v| v.is_finite())
+            && let Some(found) = numeric::descend(&self.chain, &self.limits, base_from_flange, near)
+        {
+            return Some(found);
+        }
+        for branch in self.branches(base_from_flange, Some(near)) {
             self.add_turns(&branch, &mut solutions);
         }
         solutions.sort_by(compare);
@@ -175,10 +274,36 @@ impl Arm {
             .min_by(|a, b| a.max_distance(near).total_cmp(&b.max_distance(near)))
     }
 
+    /// One entry per branch.
+    fn branches(
+        &self,
+        base_from_flange: &Pose,
+        near: Option<&JointPositions>,
+    ) -> Vec<JointPositions> {
+        let finite = base_from_flange.translation.vector.iter().all(|v| v.is_finite())
+            && base_from_flange.rotation.coords.iter().all(|v| v.is_finite());
+        if !finite {
+            return Vec::new();
+        }
+        match &self.inverse {
+            Inverse::Wrist(solver) => solver
+                .branches(base_from_flange, near)
+                .iter()
+                .map(|b| JointPositions::from_slice(b))
+                .collect(),
+            Inverse::Palletizer(palletizer) => palletizer
+                .branches(base_from_flange, near)
+                .iter()
+                .map(|b| JointPositions::from_slice(b))
+                .collect(),
+            Inverse::Numeric => numeric::solutions(&self.chain, &self.limits, base_from_flange),
+        }
+    }
+
     /// Adds `branch` with every combination of whole turns inside the limits.
-    fn add_turns(&self, branch: &[f64; 6], solutions: &mut Vec<JointPositions>) {
+    fn add_turns(&self, branch: &JointPositions, solutions: &mut Vec<JointPositions>) {
         use std::f64::consts::TAU;
-        let mut partial = vec![JointPositions::from_slice(branch)];
+        let mut partial = vec![*branch];
         for (joint, limit) in self.limits.iter().enumerate() {
             let mut next = Vec::new();
             for candidate in &partial {
@@ -206,23 +331,27 @@ fn compare(a: &JointPositions, b: &JointPositions) -> std::cmp::Ordering {
 }
 
 /// The flat chain against the closed-form model and against an independent reading of the same file.
-fn check_forward(loaded: &Loaded, solver: &Solver, file: &str) -> Result<(), ArmError> {
+fn check_forward(loaded: &Loaded, inverse: &Inverse, file: &str) -> Result<(), ArmError> {
     let oracle = k::Chain::<f64>::from(&loaded.robot);
     for state in 0..CHECKED_STATES {
         // A fixed low-discrepancy walk through the joint box (multiples of irrational numbers, modulo 1).
         let mut joints = JointPositions::zeros(loaded.limits.len());
         for (i, limit) in loaded.limits.iter().enumerate() {
-            let root = [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0][i % 6].sqrt();
+            let root = [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0][i % 8].sqrt();
             let fraction = (root * (state as f64 + 0.5)).fract();
             joints[i] = limit.lower + (limit.upper - limit.lower) * fraction;
         }
         let ours = loaded.chain.base_from_tip(&joints);
-        let theirs = solver.base_from_flange(&joints);
+        let closed_form = match inverse {
+            Inverse::Wrist(solver) => Some(solver.base_from_flange(&joints)),
+            Inverse::Palletizer(_) | Inverse::Numeric => None,
+        };
         let chain = oracle_pose(&oracle, loaded, &joints);
         for (oracle, other) in [
-            ("the closed-form model", theirs),
-            ("the chain library", chain),
+            ("the closed-form model", closed_form),
+            ("the chain library", Some(chain)),
         ] {
+            let Some(other) = other else { continue };
             let error_m = (ours.translation.vector - other.translation.vector).norm();
             let error_rad = ours.rotation.angle_to(&other.rotation);
             if !(error_m <= FORWARD_TOLERANCE_M && error_rad <= FORWARD_TOLERANCE_RAD) {

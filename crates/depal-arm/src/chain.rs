@@ -5,7 +5,13 @@ use nalgebra::Unit;
 #[derive(Debug, Clone)]
 pub(crate) enum Motion {
     Fixed,
-    Revolute { axis: Unit<Vector>, index: usize },
+    /// Turns by `multiplier * joint + offset`; 1 and 0 but for mimics.
+    Revolute {
+        axis: Unit<Vector>,
+        index: usize,
+        multiplier: f64,
+        offset: f64,
+    },
 }
 
 /// One link: where its joint sits on the parent, and how it turns.
@@ -23,9 +29,15 @@ impl Node {
     fn pose(&self, joints: &[f64]) -> Pose {
         match &self.motion {
             Motion::Fixed => self.origin,
-            Motion::Revolute { axis, index } => Pose::from_parts(
+            Motion::Revolute {
+                axis,
+                index,
+                multiplier,
+                offset,
+            } => Pose::from_parts(
                 self.origin.translation,
-                self.origin.rotation * Rotation::from_axis_angle(axis, joints[*index]),
+                self.origin.rotation
+                    * Rotation::from_axis_angle(axis, multiplier * joints[*index] + offset),
             ),
         }
     }
@@ -57,18 +69,47 @@ impl Chain {
         poses
     }
 
-    /// Axis direction and a point on it in the base frame at zero joints, in joint order.
-    pub fn axes_at_zero(&self, joint_count: usize) -> Vec<(Vector, Vector)> {
-        let links = self.base_from_links(&JointPositions::zeros(joint_count));
-        self.path
-            .iter()
-            .filter_map(|&node| match &self.nodes[node].motion {
-                Motion::Fixed => None,
-                Motion::Revolute { axis, .. } => Some((
-                    links[node].rotation * axis.into_inner(),
-                    links[node].translation.vector,
-                )),
-            })
-            .collect()
+    /// The turning axes on the way to the tip in the base frame at zero joints, base first.
+    pub fn axes_at_zero(&self, joint_count: usize) -> Vec<Axis> {
+        self.axes(&JointPositions::zeros(joint_count))
     }
+
+    /// The turning axes on the way to the tip in the base frame, base first.
+    pub fn axes(&self, joints: &JointPositions) -> Vec<Axis> {
+        let mut pose = Pose::identity();
+        let mut axes = Vec::new();
+        for &node in &self.path {
+            let node = &self.nodes[node];
+            if let Motion::Revolute {
+                axis,
+                index,
+                multiplier,
+                offset,
+            } = &node.motion
+            {
+                let at = pose * node.origin;
+                axes.push(Axis {
+                    direction: at.rotation * axis.into_inner(),
+                    point: at.translation.vector,
+                    index: *index,
+                    multiplier: *multiplier,
+                    offset: *offset,
+                });
+            }
+            pose *= node.pose(joints);
+        }
+        axes
+    }
+}
+
+/// An axis in the base frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Axis {
+    pub direction: Vector,
+    /// A point on it, m.
+    pub point: Vector,
+    /// Of the joint that drives it.
+    pub index: usize,
+    pub multiplier: f64,
+    pub offset: f64,
 }

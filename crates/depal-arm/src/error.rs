@@ -1,3 +1,5 @@
+use depal_frames::MAX_JOINTS;
+
 /// Why a description was refused. Every message names the file and the element.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -114,7 +116,7 @@ pub enum ArmError {
         joint: String,
     },
     /// Joints that this crate cannot move.
-    #[error("{file}: joint '{joint}': {what} is not supported; expected revolute or fixed")]
+    #[error("{file}: joint '{joint}': {what} is not supported; expected revolute, continuous or fixed")]
     UnsupportedJoint {
         /// Name of the source.
         file: String,
@@ -123,35 +125,37 @@ pub enum ArmError {
         /// What it is.
         what: String,
     },
-    /// Not six revolute joints between base and flange.
+    /// No joint between base and flange, or more than can be held.
     #[error(
-        "{file}: chain from '{base}' to '{tip}': {found} revolute joints, expected 6 in a row and none beside it ({total} in the file)"
+        "{file}: chain from '{base}' to '{tip}': {found} joints, expected 1 to {MAX_JOINTS} revolute or continuous ones"
     )]
-    NotSixRevolutes {
+    JointCount {
         /// Name of the source.
         file: String,
         /// Root link.
         base: String,
         /// Flange link.
         tip: String,
-        /// On the chain.
+        /// On the chain, without mimics.
         found: usize,
-        /// In the whole file.
-        total: usize,
     },
-    /// Mesh files are not read.
-    #[error(
-        "{file}: link '{link}' <{element}>: mesh '{mesh}' is not supported; use box, cylinder, capsule or sphere"
-    )]
-    MeshUnsupported {
+    /// A mimic joint follows a joint that does not exist.
+    #[error("{file}: joint '{joint}' <mimic>: joint '{master}' does not exist")]
+    UnknownMimic {
         /// Name of the source.
         file: String,
-        /// The link.
-        link: String,
-        /// `visual` or `collision`.
-        element: &'static str,
-        /// The file it names.
-        mesh: String,
+        /// The joint.
+        joint: String,
+        /// The missing one.
+        master: String,
+    },
+    /// Mimics follow each other in a ring, or one itself.
+    #[error("{file}: joint '{joint}' <mimic>: it follows itself in the end")]
+    MimicLoop {
+        /// Name of the source.
+        file: String,
+        /// The joint.
+        joint: String,
     },
     /// The list of accelerations does not fit.
     #[error("{file}: {found} joint accelerations given, expected {expected}")]
@@ -162,18 +166,6 @@ pub enum ArmError {
         found: usize,
         /// Joints of the arm.
         expected: usize,
-    },
-    /// The chain is not an ortho-parallel arm with a spherical wrist.
-    #[error(
-        "{file}: {element}: {reason}; expected an ortho-parallel arm with a spherical wrist (axes at zero joints: 1 along Z through the base origin, 2 and 3 along Y, 4, 5 and 6 meeting in one point)"
-    )]
-    NotOrthoParallel {
-        /// Name of the source.
-        file: String,
-        /// The joint that does not fit.
-        element: String,
-        /// What is wrong, with the figure.
-        reason: String,
     },
     /// Two independent computations of the flange pose differ.
     #[error(
@@ -190,5 +182,33 @@ pub enum ArmError {
         error_rad: f64,
         /// Radians.
         joints: Vec<f64>,
+    },
+}
+
+/// What was left out of a description that is otherwise good.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ArmWarning {
+    /// Mesh files are not read.
+    #[error("link '{link}' <{element}>: mesh '{mesh}' is not read; the link has no such body there")]
+    MeshSkipped {
+        /// The link.
+        link: String,
+        /// `visual` or `collision`.
+        element: &'static str,
+        /// The file it names.
+        mesh: String,
+    },
+    /// A movable joint beside the chain to the flange.
+    #[error("joint '{joint}' is not on the way to the flange: it stays at zero")]
+    JointFrozen {
+        /// The joint.
+        joint: String,
+    },
+    /// No closed form fits.
+    #[error("inverse kinematics is numeric, because {reason}")]
+    NumericInverse {
+        /// Why, with the joint.
+        reason: String,
     },
 }

@@ -24,8 +24,13 @@
 //! `flange` is the link `tool0`, else `flange`, else the end of the longest chain; its Z should point out of the flange.
 //! Joint vectors follow the chain from base to flange.
 //!
-//! Limitations: six revolute joints in a row with a spherical wrist (ortho-parallel basis);
-//! no mimic, prismatic or continuous joints; no mesh geometry.
+//! Inverse kinematics: closed form for six axes in ortho-parallel order with a spherical wrist (all branches and turns)
+//! and for four-axis palletizers written as a chain with two mimics (all branches);
+//! for any other chain of up to eight joints a damped descent from fixed beginnings, which may miss solutions.
+//!
+//! Limitations: revolute and continuous joints only (continuous ones may turn once either way); movable joints beside the chain
+//! stay at zero; meshes are not read. [`Arm::warnings`] tells what was left out.
+//! A palletizer's window between joints 2 and 3 (its rods) is not checked: URDF cannot say it.
 //! On loading, the flat chain is compared with a second, independent chain (`k`) and with the closed-form solver;
 //! a description on which they disagree by more than 1e-9 m is refused.
 //!
@@ -35,12 +40,14 @@
 mod arm;
 mod chain;
 mod error;
+mod numeric;
 mod opw;
+mod palletizer;
 mod shapes;
 mod urdf;
 
 pub use arm::{Arm, JointLimit, Link};
-pub use error::ArmError;
+pub use error::{ArmError, ArmWarning};
 
 #[cfg(test)]
 mod tests;

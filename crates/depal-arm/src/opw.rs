@@ -7,7 +7,7 @@ use rs_opw_kinematics::{
     parameters::opw_kinematics::Parameters,
 };
 
-use crate::{ArmError, chain::Chain};
+use crate::chain::Chain;
 
 /// Axes may be this far from where an ortho-parallel arm has them, metres or (for directions) unitless.
 const TOLERANCE: f64 = 1e-6;
@@ -25,14 +25,21 @@ impl Solver {
     ///
     /// In the model's own zero the arm stands straight up: axis 1 = Z, axes 2, 3 and 5 = Y, axes 4 and 6 = Z;
     /// the model angle is `sign * joint - offset`.
-    pub fn recognise(chain: &Chain, names: &[String], file: &str) -> Result<Self, ArmError> {
-        let not = |joint: usize, reason: String| ArmError::NotOrthoParallel {
-            file: file.to_owned(),
-            element: format!("joint '{}'", names[joint]),
-            reason,
+    pub fn recognise(chain: &Chain, names: &[String]) -> Result<Self, String> {
+        let not = |joint: usize, reason: String| {
+            format!("joint '{}': {reason}", names[joint])
         };
-        let axes = chain.axes_at_zero(6);
-        let (directions, points): (Vec<Vector>, Vec<Vector>) = axes.into_iter().unzip();
+        let axes = chain.axes_at_zero(names.len());
+        if let Some(odd) = (0..axes.len().max(6))
+            .find(|&i| axes.get(i).is_none_or(|a| a.index != i || i >= 6 || a.offset != 0.0))
+        {
+            return Err(not(
+                odd.min(names.len() - 1),
+                "not six joints in a row without mimics".to_owned(),
+            ));
+        }
+        let (directions, points): (Vec<Vector>, Vec<Vector>) =
+            axes.into_iter().map(|a| (a.direction, a.point)).unzip();
         let y = Vector::y();
         let sign = |value: f64| if value < 0.0 { -1 } else { 1 };
 

@@ -2,7 +2,7 @@ use depal_frames::{PlacedShape, Pose, Rotation, Shape, Vector};
 use nalgebra::Translation3;
 use urdf_rs::{Geometry, Robot};
 
-use crate::{ArmError, Link};
+use crate::{ArmError, ArmWarning, Link};
 
 /// Colour of a visual without material.
 const GREY: [u8; 3] = [180, 180, 180];
@@ -10,6 +10,9 @@ const GREY: [u8; 3] = [180, 180, 180];
 pub(crate) struct Reader<'a> {
     pub file: &'a str,
 }
+
+/// Smallest share of the largest moment of inertia by which a tensor may miss being possible.
+const INERTIA_SLACK: f64 = 1e-6;
 
 impl Reader<'_> {
     pub fn finite(&self, element: &str, values: &[f64]) -> Result<(), ArmError> {
@@ -51,9 +54,9 @@ impl Reader<'_> {
         link: &str,
         kind: &'static str,
         geometry: &Geometry,
-    ) -> Result<Shape, ArmError> {
+    ) -> Result<Result<Shape, ArmWarning>, ArmError> {
         let element = format!("link '{link}' <{kind}>");
-        Ok(match geometry {
+        Ok(Ok(match geometry {
             Geometry::Box { size } => {
                 self.positive(&format!("{element} <box> size"), &size.0)?;
                 Shape::Cuboid {
@@ -79,27 +82,49 @@ impl Reader<'_> {
                 Shape::Sphere { radius: *radius }
             }
             Geometry::Mesh { filename, .. } => {
-                return Err(ArmError::MeshUnsupported {
-                    file: self.file.to_owned(),
+                return Ok(Err(ArmWarning::MeshSkipped {
                     link: link.to_owned(),
                     element: kind,
                     mesh: filename.clone(),
-                });
+                }));
             }
-        })
+        }))
     }
 
-    pub fn link(&self, robot: &Robot, link: &urdf_rs::Link) -> Result<Link, ArmError> {
+    /// Where a mass sits must be finite, and a tensor that is given must belong to a body.
+    fn inertia(&self, name: &str, mass: f64, tensor: &urdf_rs::Inertia) -> Result<(), ArmError> {
+        let t = tensor;
+        let values = [t.ixx, t.ixy, t.ixz, t.iyy, t.iyz, t.izz];
+        self.finite(&format!("link '{name}' <inertia>"), &values)?;
+        if mass == 0.0 && values.iter().all(|v| *v == 0.0) {
+            return Ok(());
+        }
+        let matrix = nalgebra::Matrix3::new(
+            t.ixx, t.ixy, t.ixz, t.ixy, t.iyy, t.iyz, t.ixz, t.iyz, t.izz,
+        );
+        let mut moments = matrix.symmetric_eigenvalues();
+        moments.as_mut_slice().sort_by(f64::total_cmp);
+        let slack = moments[2].abs() * INERTIA_SLACK;
+        // Zero tensors with a mass are common in drawings without dynamics: no inertia is given then.
+        if values.iter().any(|v| *v != 0.0) && moments[0] < -slack {
+            return Err(ArmError::NotPositive {
+                file: self.file.to_owned(),
+                element: format!("link '{name}' <inertia>: smallest principal moment, kg m2"),
+                value: moments[0],
+            });
+        }
+        Ok(())
+    }
+
+    pub fn link(
+        &self,
+        robot: &Robot,
+        link: &urdf_rs::Link,
+        warnings: &mut Vec<ArmWarning>,
+    ) -> Result<Link, ArmError> {
         let name = &link.name;
         let mass = link.inertial.mass.value;
         self.finite(&format!("link '{name}' <mass>"), &[mass])?;
-        let tensor = &link.inertial.inertia;
-        self.finite(
-            &format!("link '{name}' <inertia>"),
-            &[
-                tensor.ixx, tensor.ixy, tensor.ixz, tensor.iyy, tensor.iyz, tensor.izz,
-            ],
-        )?;
         if mass < 0.0 {
             return Err(ArmError::NotPositive {
                 file: self.file.to_owned(),
@@ -107,20 +132,25 @@ impl Reader<'_> {
                 value: mass,
             });
         }
+        self.inertia(name, mass, &link.inertial.inertia)?;
         let mut collision = Vec::new();
         for c in &link.collision {
-            collision.push(PlacedShape {
-                pose: self.pose(&format!("link '{name}' <collision>"), &c.origin)?,
-                shape: self.shape(name, "collision", &c.geometry)?,
-            });
+            let pose = self.pose(&format!("link '{name}' <collision>"), &c.origin)?;
+            match self.shape(name, "collision", &c.geometry)? {
+                Ok(shape) => collision.push(PlacedShape { pose, shape }),
+                Err(warning) => warnings.push(warning),
+            }
         }
         let mut visual = Vec::new();
         for v in &link.visual {
-            let placed = PlacedShape {
-                pose: self.pose(&format!("link '{name}' <visual>"), &v.origin)?,
-                shape: self.shape(name, "visual", &v.geometry)?,
-            };
-            visual.push((placed, colour(robot, v.material.as_ref())));
+            let pose = self.pose(&format!("link '{name}' <visual>"), &v.origin)?;
+            match self.shape(name, "visual", &v.geometry)? {
+                Ok(shape) => visual.push((
+                    PlacedShape { pose, shape },
+                    colour(robot, v.material.as_ref()),
+                )),
+                Err(warning) => warnings.push(warning),
+            }
         }
         Ok(Link {
             name: name.clone(),

@@ -106,8 +106,8 @@ fn limits_speeds_and_masses_are_the_published_ones() {
 #[test]
 fn three_computations_of_the_flange_agree() {
     let arm = irb6700();
-    let loaded = urdf::load(IRB6700, FILE, &ACCELERATIONS).unwrap();
-    let solver = Solver::recognise(&loaded.chain, &loaded.joint_names, FILE).unwrap();
+    let loaded = urdf::load(IRB6700, FILE, &urdf::Accelerations::PerJoint(&ACCELERATIONS)).unwrap();
+    let solver = Solver::recognise(&loaded.chain, &loaded.joint_names).unwrap();
     let oracle = k::Chain::<f64>::from(&loaded.robot);
     let mut random = RandomStreams::new(1).stream("forward");
     let mut worst: f64 = 0.0;
@@ -244,28 +244,13 @@ fn faults_are_named_with_file_and_element() {
     );
     check(
         r#"name="joint_5" type="revolute""#,
-        r#"name="joint_5" type="fixed""#,
-        "5 revolute joints, expected 6",
-    );
-    check(
-        r#"name="joint_5" type="revolute""#,
         r#"name="joint_5" type="prismatic""#,
         "joint 'joint_5': type prismatic is not supported",
     );
     check(
         r#"<box size="0.86 0.72 0.06"/>"#,
-        r#"<mesh filename="package://x/foot.stl"/>"#,
-        "link 'base_link' <visual>: mesh 'package://x/foot.stl' is not supported",
-    );
-    check(
-        r#"<box size="0.86 0.72 0.06"/>"#,
         r#"<box size="0.86 -0.72 0.06"/>"#,
         "link 'base_link' <visual> <box> size: -0.72 found",
-    );
-    check(
-        r#"xyz="1.5925 0 0""#,
-        r#"xyz="1.5925 0.01 0""#,
-        "misses the wrist centre by 0.0",
     );
     check("</robot>", "", "not a readable URDF");
 }

@@ -1,11 +1,14 @@
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    f64::consts::TAU,
+};
 
-use depal_frames::{Pose, Vector};
+use depal_frames::{MAX_JOINTS, Pose, Vector};
 use nalgebra::Unit;
 use urdf_rs::{Joint, JointType, Robot};
 
 use crate::{
-    ArmError, JointLimit, Link,
+    ArmError, ArmWarning, JointLimit, Link,
     chain::{Chain, Motion, Node},
     shapes::Reader,
 };
@@ -18,9 +21,22 @@ pub(crate) struct Loaded {
     pub links: Vec<Link>,
     pub chain: Chain,
     pub tip: String,
+    pub warnings: Vec<ArmWarning>,
 }
 
-pub(crate) fn load(text: &str, file: &str, max_accelerations: &[f64]) -> Result<Loaded, ArmError> {
+/// Accelerations, which a URDF does not have.
+pub(crate) enum Accelerations<'a> {
+    /// rad/s2, one per joint from base to flange.
+    PerJoint(&'a [f64]),
+    /// rad/s2, all the same.
+    Uniform(f64),
+}
+
+pub(crate) fn load(
+    text: &str,
+    file: &str,
+    accelerations: &Accelerations,
+) -> Result<Loaded, ArmError> {
     let robot = urdf_rs::read_from_string(text).map_err(|e| ArmError::Unreadable {
         file: file.to_owned(),
         reason: e.to_string(),
@@ -49,32 +65,45 @@ pub(crate) fn load(text: &str, file: &str, max_accelerations: &[f64]) -> Result<
     }
     path.reverse();
 
-    let revolute = |joint: &Joint| joint.joint_type != JointType::Fixed;
-    let chain_joints: Vec<usize> = path
+    // Joints on the way, base first, and those of them that are driven: the others follow one of these.
+    let on_way: Vec<usize> = path
         .iter()
         .filter_map(|&n| order[n].1)
-        .filter(|&j| revolute(&robot.joints[j]))
+        .filter(|&j| robot.joints[j].joint_type != JointType::Fixed)
         .collect();
-    for joint in &robot.joints {
-        check_kind(joint, file)?;
+    for &joint in &on_way {
+        check_kind(&robot.joints[joint], file)?;
     }
-    let total = robot.joints.iter().filter(|j| revolute(j)).count();
-    if chain_joints.len() != 6 || total != 6 {
-        return Err(ArmError::NotSixRevolutes {
+    let chain_joints: Vec<usize> = on_way
+        .iter()
+        .copied()
+        .filter(|&j| robot.joints[j].mimic.is_none())
+        .collect();
+    let count = chain_joints.len();
+    if count == 0 || count > MAX_JOINTS {
+        return Err(ArmError::JointCount {
             file: file.to_owned(),
             base: robot.links[order[0].0].name.clone(),
             tip: robot.links[order[tip].0].name.clone(),
-            found: chain_joints.len(),
-            total,
+            found: count,
         });
     }
-    if max_accelerations.len() != chain_joints.len() {
+    let uniform;
+    let max_accelerations = match *accelerations {
+        Accelerations::PerJoint(values) => values,
+        Accelerations::Uniform(value) => {
+            uniform = vec![value; count];
+            &uniform
+        }
+    };
+    if max_accelerations.len() != count {
         return Err(ArmError::AccelerationCount {
             file: file.to_owned(),
             found: max_accelerations.len(),
-            expected: chain_joints.len(),
+            expected: count,
         });
     }
+    let mut warnings = Vec::new();
 
     let mut limits = Vec::new();
     for (&joint, &acceleration) in chain_joints.iter().zip(max_accelerations) {
@@ -83,7 +112,7 @@ pub(crate) fn load(text: &str, file: &str, max_accelerations: &[f64]) -> Result<
     let mut nodes = Vec::new();
     let mut links = Vec::new();
     for (node, (link, joint)) in order.iter().enumerate() {
-        links.push(reader.link(&robot, &robot.links[*link])?);
+        links.push(reader.link(&robot, &robot.links[*link], &mut warnings)?);
         let Some(joint) = *joint else {
             nodes.push(Node {
                 parent: None,
@@ -94,12 +123,32 @@ pub(crate) fn load(text: &str, file: &str, max_accelerations: &[f64]) -> Result<
         };
         let element = &robot.joints[joint];
         let origin = reader.pose(&format!("joint '{}'", element.name), &element.origin)?;
-        let motion = match chain_joints.iter().position(|&j| j == joint) {
-            None => Motion::Fixed,
-            Some(index) => Motion::Revolute {
-                axis: axis(&reader, element)?,
-                index,
-            },
+        let driven = driver(&robot, joint, file)?.and_then(|d| {
+            let index = chain_joints.iter().position(|&j| j == d.joint)?;
+            Some((index, d))
+        });
+        let motion = match driven {
+            Some((index, d))
+                if matches!(
+                    element.joint_type,
+                    JointType::Revolute | JointType::Continuous
+                ) =>
+            {
+                Motion::Revolute {
+                    axis: axis(&reader, element)?,
+                    index,
+                    multiplier: d.multiplier,
+                    offset: d.offset,
+                }
+            }
+            _ => {
+                if element.joint_type != JointType::Fixed {
+                    warnings.push(ArmWarning::JointFrozen {
+                        joint: element.name.clone(),
+                    });
+                }
+                Motion::Fixed
+            }
         };
         nodes.push(Node {
             parent: parent_of(node),
@@ -116,6 +165,7 @@ pub(crate) fn load(text: &str, file: &str, max_accelerations: &[f64]) -> Result<
         links,
         chain: Chain { nodes, path },
         tip: robot.links[order[tip].0].name.clone(),
+        warnings,
         robot,
     })
 }
@@ -137,7 +187,13 @@ fn check_names(robot: &Robot, file: &str) -> Result<(), ArmError> {
 
 /// Links with the joint that carries each, parents first, siblings in file order.
 fn link_order(robot: &Robot, file: &str) -> Result<Vec<(usize, Option<usize>)>, ArmError> {
-    let find = |name: &str| robot.links.iter().position(|l| l.name == name);
+    let by_name: BTreeMap<&str, usize> = robot
+        .links
+        .iter()
+        .enumerate()
+        .map(|(i, l)| (l.name.as_str(), i))
+        .collect();
+    let find = |name: &str| by_name.get(name).copied();
     let mut parent_joint: Vec<Option<usize>> = vec![None; robot.links.len()];
     let mut children: Vec<Vec<(usize, usize)>> = vec![Vec::new(); robot.links.len()];
     for (j, joint) in robot.joints.iter().enumerate() {
@@ -223,14 +279,61 @@ fn choose_tip(
 
 fn check_kind(joint: &Joint, file: &str) -> Result<(), ArmError> {
     let what = match joint.joint_type {
-        _ if joint.mimic.is_some() => "a mimic joint".to_owned(),
-        JointType::Revolute | JointType::Fixed => return Ok(()),
+        JointType::Revolute | JointType::Continuous | JointType::Fixed => return Ok(()),
         ref other => format!("type {other:?}").to_lowercase(),
     };
     Err(ArmError::UnsupportedJoint {
         file: file.to_owned(),
         joint: joint.name.clone(),
         what,
+    })
+}
+
+/// Which joint moves another: `multiplier * joint + offset`.
+struct Driver {
+    joint: usize,
+    multiplier: f64,
+    offset: f64,
+}
+
+/// Follows mimics to the joint that has none; none for fixed joints.
+fn driver(robot: &Robot, joint: usize, file: &str) -> Result<Option<Driver>, ArmError> {
+    if robot.joints[joint].joint_type == JointType::Fixed {
+        return Ok(None);
+    }
+    let mut driver = Driver {
+        joint,
+        multiplier: 1.0,
+        offset: 0.0,
+    };
+    for _ in 0..=robot.joints.len() {
+        let at = &robot.joints[driver.joint];
+        let Some(mimic) = &at.mimic else {
+            return Ok(Some(driver));
+        };
+        let (multiplier, offset) = (mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0));
+        let reader = Reader { file };
+        reader.finite(
+            &format!("joint '{}' <mimic>", at.name),
+            &[multiplier, offset],
+        )?;
+        driver = Driver {
+            joint: robot
+                .joints
+                .iter()
+                .position(|j| j.name == mimic.joint)
+                .ok_or_else(|| ArmError::UnknownMimic {
+                    file: file.to_owned(),
+                    joint: at.name.clone(),
+                    master: mimic.joint.clone(),
+                })?,
+            multiplier: driver.multiplier * multiplier,
+            offset: driver.multiplier * offset + driver.offset,
+        };
+    }
+    Err(ArmError::MimicLoop {
+        file: file.to_owned(),
+        joint: robot.joints[joint].name.clone(),
     })
 }
 
@@ -251,6 +354,11 @@ fn limit(reader: &Reader, joint: &Joint, acceleration: f64) -> Result<JointLimit
     } = joint.limit;
     let element = format!("joint '{}' <limit>", joint.name);
     reader.finite(&element, &[lower, upper, velocity])?;
+    // Endless joints may turn once either way: postures stay countable.
+    let (lower, upper) = match joint.joint_type {
+        JointType::Continuous if lower == 0.0 && upper == 0.0 => (-TAU, TAU),
+        _ => (lower, upper),
+    };
     if lower == 0.0 && upper == 0.0 && velocity == 0.0 {
         return Err(ArmError::MissingLimit {
             file: reader.file.to_owned(),

@@ -43,12 +43,16 @@ mod request;
 mod search;
 mod suction;
 mod timing;
+mod transfer;
 mod world;
 
 pub use plan::{Motion, PickPlan, Waypoint};
 pub use planner::plan_pick;
 pub use refusal::{Obstacle, Refusal, RejectReason, Rejection, Stage, Touch};
 pub use request::{PlaceSpec, PlanRequest, PlannerSettings, SeenBox};
+pub use transfer::{
+    TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint, plan_transfer,
+};
 
 #[cfg(test)]
 mod tests;

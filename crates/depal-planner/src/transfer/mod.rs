@@ -1,0 +1,19 @@
+//! From one posture to another among boxes: the way that `depal plan` gives.
+//!
+//! The ladder: the straight joint move; raised vias in several heights; two random trees with a fixed seed.
+//! What it finds is then bent by small seeded changes while that saves time, and proved on the bare bodies.
+//! Effort is counted in checks, never in seconds: the same question gets the same answer everywhere.
+
+mod certificate;
+mod law;
+mod refine;
+mod request;
+mod route;
+mod scene;
+mod tree;
+
+pub use request::{TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint};
+pub use route::plan_transfer;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,130 @@
+//! Bends a free route by small seeded changes while that saves time and stays free.
+
+use depal_arm::JointLimit;
+use depal_frames::JointPositions;
+use depal_time::RandomStream;
+
+use super::{
+    law::{BlendedPath, distance, fitting_blends},
+    route::Checker,
+};
+
+/// Changes tried.
+const CHANGES: usize = 500;
+/// States that may be checked meanwhile.
+const MOST_CHECKS: usize = 2200;
+/// Routes with more vias than this are not bent, only shortened.
+const MOST_VIAS: usize = 7;
+
+/// Waypoints with the largest blends that fit, split by `shares`.
+#[derive(Debug, Clone)]
+pub(crate) struct Route {
+    pub points: Vec<JointPositions>,
+    /// See [`fitting_blends`].
+    pub shares: Vec<f64>,
+    /// Stops at every point instead.
+    pub stops: bool,
+}
+
+impl Route {
+    pub fn new(points: Vec<JointPositions>) -> Self {
+        Self {
+            shares: vec![0.5; points.len()],
+            points,
+            stops: false,
+        }
+    }
+
+    pub fn stopping(&self) -> Self {
+        Self {
+            stops: true,
+            ..self.clone()
+        }
+    }
+
+    pub fn path(&self) -> BlendedPath {
+        let blends = match self.stops {
+            true => vec![0.0; self.points.len()],
+            false => fitting_blends(&self.points, &self.shares),
+        };
+        BlendedPath::new(&self.points, &blends)
+    }
+
+    pub fn time(&self, limits: &[JointLimit]) -> f64 {
+        self.path().time(limits)
+    }
+}
+
+/// The best of the routes met. The given one must be free.
+pub(crate) fn refine(checker: &mut Checker, route: Route, random: &mut RandomStream) -> Route {
+    let limits = checker.scene.arm.limits();
+    let start = route.points[0];
+    let mut best = route;
+    let mut time = best.time(limits);
+    if best.points.len() < 3 {
+        return best;
+    }
+    let bound = super::law::lower_bound(&start, &best.points[best.points.len() - 1], limits);
+    let last_check = checker.checks + MOST_CHECKS;
+    let mut size = 0.3;
+    for _ in 0..CHANGES {
+        if time <= bound * 1.04 || checker.checks > last_check {
+            break;
+        }
+        let Some(changed) = change(&best, size, limits, random) else {
+            continue;
+        };
+        let path = changed.path();
+        let changed_time = path.time(limits);
+        if changed_time < time - 1e-4 && checker.path_is_free(&path, &start) {
+            (best, time) = (changed, changed_time);
+            size = (size * 1.5_f64).min(0.4);
+        } else {
+            size = (size * 0.985).max(0.03);
+        }
+    }
+    best
+}
+
+fn change(
+    route: &Route,
+    size: f64,
+    limits: &[JointLimit],
+    random: &mut RandomStream,
+) -> Option<Route> {
+    let mut changed = route.clone();
+    let vias = route.points.len() - 2;
+    let kind = random.uniform(0.0, 1.0);
+    let which = 1 + (random.uniform(0.0, vias as f64) as usize).min(vias - 1);
+    if kind < 0.1 && vias > 1 {
+        changed.points.remove(which);
+        changed.shares.remove(which);
+    } else if kind < 0.2 && vias < MOST_VIAS.min(4) {
+        let share = random.uniform(0.2, 0.8);
+        let middle = route.points[which].lerp(&route.points[which + 1], share);
+        changed.points.insert(which + 1, middle);
+        changed.shares.insert(which + 1, 0.5);
+    } else if kind < 0.3 {
+        changed.shares[which] = (changed.shares[which] + random.normal(size)).clamp(0.05, 0.95);
+    } else if kind < 0.45 {
+        // Towards the straight line.
+        let middle =
+            route.points[which - 1].lerp(&route.points[which + 1], random.uniform(0.0, 1.0));
+        changed.points[which] = changed.points[which].lerp(&middle, random.uniform(0.0, 0.8));
+    } else {
+        let all = random.uniform(0.0, 1.0) < 0.4;
+        let one = random.uniform(0.0, limits.len() as f64) as usize;
+        let point = &mut changed.points[which];
+        for (i, limit) in limits.iter().enumerate() {
+            let step = random.normal(size);
+            if all || i == one {
+                point[i] = (point[i] + step).clamp(limit.lower, limit.upper);
+            }
+        }
+    }
+    let moves = changed
+        .points
+        .windows(2)
+        .all(|w| distance(&w[0], &w[1]) > 1e-3);
+    moves.then_some(changed)
+}

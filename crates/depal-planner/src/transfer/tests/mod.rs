@@ -1,0 +1,3 @@
+mod cell;
+mod pallet;
+mod time_law;
