@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::image_file::{depth_png, grey_png, write};
-use crate::run::{explain, load};
+use crate::run::{explain, load_scene};
 
 /// Arguments of `depal render`.
 #[derive(Args)]
