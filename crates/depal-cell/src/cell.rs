@@ -336,6 +336,14 @@ impl Cell {
                 ControllerEvent::MotionStopped { reason, .. } => EventKind::Message {
                     text: format!("motion stopped: {reason}"),
                 },
+                ControllerEvent::Answered {
+                    instruction,
+                    text,
+                    answer,
+                    ..
+                } => EventKind::Message {
+                    text: format!("{instruction} {text}: answered {answer}"),
+                },
                 ControllerEvent::MoveReached { .. } | ControllerEvent::TaskEnded { .. } => continue,
             };
             self.pending.push(kind);

@@ -3,12 +3,12 @@ use std::path::{Path, PathBuf};
 
 use depal_cell::event::{Event, EventKind, FailureReason};
 use depal_cell::observer::{CaptureView, CartonViewState, Observer, Snapshot};
-use depal_frames::{Intrinsics, JointPositions, PlacedShape, Pose};
+use depal_frames::{JointPositions, Pose};
 use depal_time::SimTime;
 use rerun::{
-    Arrows3D, Boxes3D, Clear, Color, EncodedDepthImage, FillMode, LineStrips3D, Pinhole, Points3D,
-    RecordingStream, RecordingStreamBuilder, RecordingStreamResult, Scalars, SeriesLines,
-    StateChange, TextDocument, TextLog, TextLogLevel, TimeColumn, Transform3D, ViewCoordinates,
+    Boxes3D, Clear, Color, FillMode, LineStrips3D, Points3D, RecordingStream,
+    RecordingStreamBuilder, RecordingStreamResult, Scalars, StateChange, TextLog, TextLogLevel,
+    TimeColumn, Transform3D,
 };
 
 use crate::RecordError;
