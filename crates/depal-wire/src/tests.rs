@@ -592,7 +592,7 @@ proptest! {
     #[test]
     fn text_requests_survive_ascii(request in text_request()) {
         let bytes = request.encode(Encoding::Ascii, &Profile::v1_8());
-        prop_assert_eq!(Request::decode(Encoding::Ascii, &bytes).as_ref(), Ok(&request));
+        prop_assert_eq!(Request::decode(Encoding::Ascii, &bytes), Ok(request.clone()));
         let packed = request.encode(Encoding::HexBigEndian, &Profile::v1_8());
         let refused = Request::decode(Encoding::HexBigEndian, &packed).unwrap_err();
         prop_assert_eq!((refused.command, refused.status), (request.code(), Status::WrongFormat));
@@ -635,7 +635,7 @@ proptest! {
             let Some(Frame::Request(frame)) = frame else {
                 panic!("{frame:?}");
             };
-            prop_assert_eq!(Request::decode(encoding, &frame).as_ref(), Ok(&request));
+            prop_assert_eq!(Request::decode(encoding, &frame), Ok(request.clone()));
         }
     }
 
