@@ -305,3 +305,38 @@ proptest! {
         }
     }
 }
+
+proptest! {
+    /// However a stream is cut, the replies are the same.
+    #[test]
+    fn any_split_gives_the_same_replies(
+        choices in prop::collection::vec(0usize..COMMANDS.len(), 1..12),
+        cuts in prop::collection::vec(1usize..40, 0..30),
+    ) {
+        let lines: Vec<_> = choices.iter().map(|choice| format!("{}\r", COMMANDS[*choice])).collect();
+        let stream = lines.concat().into_bytes();
+        let replies_of = |pieces: &[&[u8]]| {
+            let mut bench = Brain::new().bench;
+            for piece in pieces {
+                bench.server.handle_input(bench.now, PORT, CLIENT, piece);
+            }
+            let mut replies = bench.replies();
+            for _ in &choices {
+                bench.wait(10_000);
+                replies.extend(bench.replies());
+            }
+            replies
+        };
+        let mut rest = &stream[..];
+        let mut pieces = Vec::new();
+        for cut in &cuts {
+            let (piece, after) = rest.split_at((*cut).min(rest.len()));
+            pieces.push(piece);
+            rest = after;
+        }
+        pieces.push(rest);
+        let whole = replies_of(&[&stream[..]]);
+        prop_assert_eq!(whole.len(), choices.len());
+        prop_assert_eq!(replies_of(&pieces), whole);
+    }
+}
