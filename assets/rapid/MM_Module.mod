@@ -173,6 +173,37 @@ MODULE MM_Module
     FetchList 105,Job,Jps_Pos,1103,Pos_Num,VisPos_Num,MM_Status;
   ENDPROC
 
+  ! 100: runs a vision project and stores its result, all in one exchange; at most
+  ! one reply's worth of points. Recipe 0 keeps the recipe. Jps_Pos 1 vision points,
+  ! 2 one point with custom data, 3 path of joints, 4 path of TCPs.
+  ! MM_J: joints to report instead of those of the robot.
+  PROC MM_Lite_Vis(num Job,num Recipe,num Jps_Pos,INOUT num MM_Status\jointtarget MM_J\INOUT num Pos_Num\INOUT num VisPos_Num)
+    VAR num vision_move:=0;
+
+    ForgetList;
+    BeginRequest 100;
+    AddInt Job;
+    AddInt Recipe;
+    AddInt Jps_Pos;
+    IF Present(MM_J) THEN
+      AddJoints MM_J;
+    ELSE
+      AddJoints CJointT();
+    ENDIF
+    AddFlange;
+    Transact 100,MM_Status;
+    IF MM_Status=1100 OR MM_Status=1103 THEN
+      IF Jps_Pos=2 THEN
+        KeepCustomPoint;
+      ELSE
+        vision_move:=CellInt(5);
+        KeepPart;
+      ENDIF
+    ENDIF
+    IF Present(Pos_Num) Pos_Num:=MM_Count;
+    IF Present(VisPos_Num) VisPos_Num:=vision_move;
+  ENDPROC
+
   ! 110: vision points with the data of the custom ports, one point a reply.
   PROC MM_Get_DyData(num Job,INOUT num Pos_Num,INOUT num MM_Status)
     VAR num last;
@@ -190,12 +221,7 @@ MODULE MM_Module
         RETURN;
       ENDIF
       last:=CellInt(3);
-      MM_Count:=MM_Count+1;
-      FOR i FROM 1 TO 6 DO
-        MM_Values{MM_Count,i}:=CellReal(4+i);
-      ENDFOR
-      MM_Labels{MM_Count}:=CellInt(11);
-      KeepCustom 12,CellInt(4);
+      KeepCustomPoint;
     ENDWHILE
     Pos_Num:=MM_Count;
   ENDPROC
@@ -266,6 +292,27 @@ MODULE MM_Module
   ! 205: the path of the Viz project. Jps_Pos 1 joints, 2 TCP.
   PROC MM_Get_VizData(num Jps_Pos,INOUT num Pos_Num,INOUT num VisPos_Num,INOUT num MM_Status)
     FetchList 205,Jps_Pos,0,2100,Pos_Num,VisPos_Num,MM_Status;
+  ENDPROC
+
+  ! 200: starts the Viz project, chooses a branch (Branch_Num 0: none) and stores the
+  ! path, all in one exchange; at most one reply's worth of waypoints.
+  PROC MM_Lite_Viz(num Branch_Num,num Export_Num,num Jps_Pos,INOUT num MM_Status\INOUT num Pos_Num\INOUT num VisPos_Num)
+    VAR num vision_move:=0;
+
+    ForgetList;
+    BeginRequest 200;
+    AddInt Branch_Num;
+    AddInt Export_Num;
+    AddInt Jps_Pos;
+    AddJoints CJointT();
+    AddFlange;
+    Transact 200,MM_Status;
+    IF MM_Status=2100 THEN
+      vision_move:=CellInt(5);
+      KeepPart;
+    ENDIF
+    IF Present(Pos_Num) Pos_Num:=MM_Count;
+    IF Present(VisPos_Num) VisPos_Num:=vision_move;
   ENDPROC
 
   ! 207: reads the step parameter behind a configuration id.
@@ -433,10 +480,92 @@ MODULE MM_Module
     SetGO Go16,value;
   ENDPROC
 
+  ! 601: the message of a notify step; 0 if none came within the server's time.
+  PROC MM_Get_Notify(INOUT num MM_Message)
+    VAR num value;
+
+    MM_Message:=0;
+    BeginRequest 601;
+    Transact 601,value\NoStatus;
+    Demand MM_Last_Status,0;
+    MM_Message:=value;
+  ENDPROC
+
   ! 901: 1101 when the vision project is ready.
   PROC MM_Get_Status(INOUT num MM_Status)
     BeginRequest 901;
     Transact 901,MM_Status;
+  ENDPROC
+
+  !---------------------------------------------------------- calibration ----
+
+  ! 701: drives the robot through the poses of a hand-eye calibration.
+  ! Move_Type 1 linear, 2 joint motion. Pos_Jps 1 flange poses, 2 joints.
+  ! Wait_Time: seconds of rest before each capture. Ext: position of external axis a.
+  ! Returns when the robot is back where it began; a pose that it cannot reach is
+  ! reported to the server, and ends the calibration with MM_ERR_STATUS.
+  PROC MM_Calib(num Move_Type,num Pos_Jps,num Wait_Time\num Ext)
+    VAR num status;
+    VAR num state:=0;
+    VAR num done:=0;
+    VAR robtarget pose;
+    VAR jointtarget joints;
+    VAR bool reachable;
+
+    WHILE done=0 DO
+      BeginRequest 701;
+      AddInt state;
+      AddFlange;
+      AddJoints CJointT();
+      Transact 701,status;
+      Demand status,7101;
+      done:=CellInt(3);
+      ForgetList;
+      MM_Count:=1;
+      FOR i FROM 1 TO 6 DO
+        MM_Values{1,i}:=CellReal(3+i);
+      ENDFOR
+      StorePose 1,pose;
+      FOR i FROM 1 TO 6 DO
+        MM_Values{1,i}:=CellReal(9+i);
+      ENDFOR
+      StoreJoints 1,joints;
+      ForgetList;
+      IF Present(Ext) THEN
+        pose.extax.eax_a:=Ext;
+        joints.extax.eax_a:=Ext;
+      ENDIF
+      reachable:=TRUE;
+      IF Pos_Jps=1 CheckReach pose,reachable;
+      state:=2;
+      IF reachable THEN
+        state:=1;
+        IF Pos_Jps=2 AND Move_Type=2 THEN
+          MoveAbsJ joints,v200,fine,tool0\WObj:=wobj0;
+        ELSEIF Move_Type=2 THEN
+          MoveJ pose,v200,fine,tool0\WObj:=wobj0;
+        ELSE
+          MoveL pose,v200,fine,tool0\WObj:=wobj0;
+        ENDIF
+        WaitTime Wait_Time;
+      ELSE
+        ! The answer to state 2 is a refusal and ends the loop.
+        done:=0;
+      ENDIF
+    ENDWHILE
+  ENDPROC
+
+  LOCAL PROC CheckReach(robtarget pose,INOUT bool reachable)
+    VAR jointtarget joints;
+
+    reachable:=TRUE;
+    joints:=CalcJointT(pose,tool0\WObj:=wobj0);
+  ERROR
+    IF ERRNO=ERR_ROBLIMIT THEN
+      reachable:=FALSE;
+      RETURN;
+    ENDIF
+    RAISE;
   ENDPROC
 
   !------------------------------------------------------------ internals ----
@@ -482,7 +611,8 @@ MODULE MM_Module
   ENDPROC
 
   ! Sends the request and gathers one whole reply: TCP may deliver it in pieces.
-  LOCAL PROC Transact(num command,INOUT num status)
+  ! NoStatus: the second cell is a value, and MM_Last_Status is 0 if it came.
+  LOCAL PROC Transact(num command,INOUT num status\switch NoStatus)
     VAR rawbytes piece;
     VAR num got:=0;
     VAR num arrived:=0;
@@ -502,9 +632,12 @@ MODULE MM_Module
     ENDWHILE
     status:=CellInt(2);
     ! A server of the other byte order echoes the command as it was sent: look at the status, too.
-    IF CellInt(1)<>command OR status<1 OR status>9999 THEN
+    IF CellInt(1)<>command OR (NOT Present(NoStatus) AND (status<1 OR status>9999)) THEN
       status:=MM_WRONG_REPLY;
       MM_Close_Socket;
+    ELSEIF Present(NoStatus) THEN
+      MM_Last_Status:=0;
+      RETURN;
     ENDIF
     MM_Last_Status:=status;
   ERROR
@@ -550,8 +683,6 @@ MODULE MM_Module
   ! Lists of eight cells a point: 102, 105, 205. Asks again until all parts came.
   LOCAL PROC FetchList(num command,num first,num second,num success,INOUT num points,INOUT num vision_move,INOUT num status)
     VAR num last:=0;
-    VAR num part;
-    VAR num cell;
 
     ForgetList;
     points:=0;
@@ -568,23 +699,40 @@ MODULE MM_Module
         RETURN;
       ENDIF
       last:=CellInt(3);
-      part:=CellInt(4);
       ! The place counts from the first point of this part.
       IF vision_move=0 AND CellInt(5)>0 vision_move:=MM_Count+CellInt(5);
-      IF part<1 last:=1;
-      cell:=6;
-      WHILE part>0 AND MM_Count<MM_MAX_POINTS DO
-        MM_Count:=MM_Count+1;
-        FOR i FROM 1 TO 6 DO
-          MM_Values{MM_Count,i}:=CellReal(cell+i-1);
-        ENDFOR
-        MM_Labels{MM_Count}:=CellInt(cell+6);
-        MM_Speeds{MM_Count}:=CellInt(cell+7);
-        cell:=cell+8;
-        part:=part-1;
-      ENDWHILE
+      IF CellInt(4)<1 last:=1;
+      KeepPart;
     ENDWHILE
     points:=MM_Count;
+  ENDPROC
+
+  ! Adds the points of one reply to the list.
+  LOCAL PROC KeepPart()
+    VAR num part;
+    VAR num cell:=6;
+
+    part:=CellInt(4);
+    WHILE part>0 AND MM_Count<MM_MAX_POINTS DO
+      MM_Count:=MM_Count+1;
+      FOR i FROM 1 TO 6 DO
+        MM_Values{MM_Count,i}:=CellReal(cell+i-1);
+      ENDFOR
+      MM_Labels{MM_Count}:=CellInt(cell+6);
+      MM_Speeds{MM_Count}:=CellInt(cell+7);
+      cell:=cell+8;
+      part:=part-1;
+    ENDWHILE
+  ENDPROC
+
+  ! Adds the one point with custom data of a reply to the list.
+  LOCAL PROC KeepCustomPoint()
+    MM_Count:=MM_Count+1;
+    FOR i FROM 1 TO 6 DO
+      MM_Values{MM_Count,i}:=CellReal(4+i);
+    ENDFOR
+    MM_Labels{MM_Count}:=CellInt(11);
+    KeepCustom 12,CellInt(4);
   ENDPROC
 
   ! Custom data of the point received last; at most 50 elements fit.

@@ -53,22 +53,19 @@ impl Session {
                 (place + 1, *start)
             }
         };
-        let point = match self.calibration_poses.get(place) {
-            Some(pose) => {
-                self.calibration = Calibration::Moving { place, start };
-                CalibrationPoint {
-                    is_done: false,
-                    flange: pose_values(self.settings.euler, &pose.base_from_flange),
-                    joints_deg: joint_values(&pose.joints),
-                }
+        let point = if let Some(pose) = self.calibration_poses.get(place) {
+            self.calibration = Calibration::Moving { place, start };
+            CalibrationPoint {
+                is_done: false,
+                flange: pose_values(self.settings.euler, &pose.base_from_flange),
+                joints_deg: joint_values(&pose.joints),
             }
-            None => {
-                self.calibration = Calibration::Idle;
-                CalibrationPoint {
-                    is_done: true,
-                    flange: never_all_zero(start.0),
-                    joints_deg: never_all_zero(start.1),
-                }
+        } else {
+            self.calibration = Calibration::Idle;
+            CalibrationPoint {
+                is_done: true,
+                flange: never_all_zero(start.0),
+                joints_deg: never_all_zero(start.1),
             }
         };
         Reply::CalibrationPoint(Box::new(point))

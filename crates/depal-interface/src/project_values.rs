@@ -9,12 +9,13 @@ use crate::job::{Job, VariableValue};
 use crate::property_config::PropertyValue;
 use crate::session::Session;
 use crate::settings::VariableKind;
+use crate::vision_run::VisionRun;
 use crate::viz_run::VizRun;
 
 impl Session {
     pub(crate) fn switch_solution(&mut self, request: &SwitchSolution) -> Status {
         let runs = matches!(self.viz, VizRun::Running { .. })
-            || self.vision.values().any(|run| run.is_running());
+            || self.vision.values().any(VisionRun::is_running);
         if runs || !self.solutions.contains(&request.solution) {
             return Status::SolutionNotSwitched;
         }

@@ -4,6 +4,10 @@ use proptest::prelude::*;
 
 use crate::*;
 
+mod coverage;
+mod order_model;
+mod property_config;
+
 const PORT: PortId = PortId(0);
 const CLIENT: ConnectionId = ConnectionId(1);
 

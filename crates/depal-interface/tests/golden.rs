@@ -5,10 +5,15 @@
 //!
 //! - `# ...` a comment; `-> KIND ...` what the robot sends; `<- KIND ...` the next reply, KIND `ascii` or `hex-le`
 //!   (`\r` escaped; bytes in hexadecimal, `|` between cells, `+N` for N zeros);
-//! - `! setup projects=ID:poses|path[:RECIPE+RECIPE],... branches=STEP:EXITS,...`;
+//! - `! setup projects=ID:poses|path|custom[:RECIPE+RECIPE],... branches=STEP:EXITS,... [index=STEP:PLACES,...]
+//!   [parameters=STEP:KEY:VALUE,...] [solutions=N,...] [variables=NAME:KIND,...] [inputs=PROJECT:STEP,...]
+//!   [calibration=POSES]`; `! property LINE ; LINE ...` right after it;
 //! - `! wait MS`; `! vision X,Y,Z,TURN,LABEL ...` (top faces, mm and degrees); `! vision error CODE`;
 //! - `! waypoint joint|linear pose P6 joints J6 tool T velocity V label L [plan 21 values]`, then
-//!   `! viz [outputs N ...]` or `! viz error CODE`; `! at branch STEP`; `! expect branch STEP exit EXIT`.
+//!   `! viz [outputs N ... | N ...]` (rounds) or `! viz error CODE`, or the same with `! vision path`;
+//! - `! custom PORT=V,V|V,V ...` and `! sections N` for the next result; `! vision custom X,Y,Z,TURN,LABEL ...`;
+//! - `! notify MESSAGE`; `! at branch STEP`; `! expect branch STEP exit EXIT`; `! expect index STEP at INDEX`;
+//!   `! expect capture NUMBER`.
 //!
 //! Replies must come exactly where they stand: after every other line nothing may be left over.
 
@@ -30,6 +35,9 @@ struct Player {
     replies: VecDeque<Vec<u8>>,
     jobs: Vec<Job>,
     waypoints: Vec<PathPoint>,
+    custom_ports: Vec<CustomPort>,
+    sections: usize,
+    setup: String,
 }
 
 // Transcripts are files on purpose: they are read by people and shared with other tests.
@@ -51,11 +59,18 @@ fn transcripts_replay_byte_by_byte() {
                 .into_owned()
         })
         .collect();
-    for command in [101, 102, 103, 201, 202, 203, 205, 206, 210, 501, 901] {
+    for command in depal_wire::Request::CODES {
         let head = format!("{command}_");
         assert!(
             names.iter().any(|name| name.starts_with(&head)),
             "no transcript of {command}"
+        );
+    }
+    for dialogue in ["a", "b", "c", "d", "e", "f"] {
+        let head = format!("dialogue_{dialogue}_");
+        assert!(
+            names.iter().any(|name| name.starts_with(&head)),
+            "no dialogue {dialogue}"
         );
     }
     for (file, name) in files.iter().zip(&names) {
@@ -77,7 +92,12 @@ fn play(name: &str, text: &str, encoding: Encoding) {
         let (mark, rest) = line.split_once(' ').unwrap_or((line, ""));
         match mark {
             "" | "#" => {}
-            "!" if rest.starts_with("setup ") => player = Some(Player::new(rest, encoding)),
+            "!" if rest.starts_with("setup ") => player = Some(Player::new(rest, "", encoding)),
+            "!" if rest.starts_with("property ") => {
+                let setup = player.expect("setup comes first").setup;
+                let lines = rest["property ".len()..].replace(';', "\n");
+                player = Some(Player::new(&setup, &lines, encoding));
+            }
             "!" => {
                 let player = player.as_mut().expect("setup comes first");
                 player.settle(&place);
@@ -162,6 +182,7 @@ fn project(text: &str) -> VisionProject {
         output: match fields[1] {
             "poses" => OutputPort::Poses,
             "path" => OutputPort::Path,
+            "custom" => OutputPort::Custom,
             other => panic!("output {other}"),
         },
         recipes: fields.get(2).map_or(Vec::new(), |list| {
@@ -174,32 +195,72 @@ fn project(text: &str) -> VisionProject {
 }
 
 impl Player {
-    fn new(setup: &str, encoding: Encoding) -> Self {
-        let value = |key: &str| {
+    fn new(setup: &str, property_config: &str, encoding: Encoding) -> Self {
+        let items = |key: &str| -> Vec<Vec<&str>> {
             let head = format!("{key}=");
-            setup
+            let value = setup
                 .split_whitespace()
                 .find_map(|word| word.strip_prefix(&head))
-                .unwrap_or_default()
+                .unwrap_or_default();
+            let list = value.split(',').filter(|item| !item.is_empty());
+            list.map(|item| item.split(':').collect()).collect()
         };
-        let branches = value("branches").split(',').map(|branch| {
-            let (step, exits) = branch.split_once(':').expect("STEP:EXITS");
-            BranchStep {
-                step: step.parse().expect("step"),
-                exits: exits.parse().expect("exits"),
+        let whole = |text: &str| text.parse::<i32>().expect("a whole number");
+        let inputs = items("inputs");
+        let projects = items("projects").into_iter().map(|fields| {
+            let project = project(&fields.join(":"));
+            let steps = inputs.iter().filter(|input| whole(input[0]) == project.id);
+            VisionProject {
+                input_steps: steps.map(|input| input[1].to_owned()).collect(),
+                ..project
             }
         });
+        let viz = VizProject {
+            branches: items("branches")
+                .iter()
+                .map(|branch| BranchStep {
+                    step: whole(branch[0]),
+                    exits: whole(branch[1]),
+                })
+                .collect(),
+            index_steps: items("index")
+                .iter()
+                .map(|index| IndexStep {
+                    step: whole(index[0]),
+                    places: whole(index[1]),
+                })
+                .collect(),
+            parameters: items("parameters")
+                .iter()
+                .map(|parameter| StepParameter {
+                    step: whole(parameter[0]),
+                    key: parameter[1].to_owned(),
+                    value: parameter[2].parse().expect("a value"),
+                })
+                .collect(),
+        };
+        let variables = items("variables").into_iter().map(|variable| Variable {
+            name: variable[0].to_owned(),
+            kind: match variable[1] {
+                "number" => VariableKind::Number,
+                "numbers" => VariableKind::Numbers,
+                "text" => VariableKind::Text,
+                "texts" => VariableKind::Texts,
+                other => panic!("kind {other}"),
+            },
+        });
+        let poses = items("calibration").first().map_or(0, |n| whole(n[0]));
         let settings = ServerSettings {
             ports: vec![PortSettings {
                 encoding,
                 ..PortSettings::default()
             }],
-            projects: value("projects").split(',').map(project).collect(),
-            viz: Some(VizProject {
-                branches: branches.collect(),
-                ..VizProject::default()
-            }),
-            ..ServerSettings::default()
+            projects: projects.collect(),
+            viz: Some(viz),
+            solutions: items("solutions").iter().map(|n| whole(n[0])).collect(),
+            variables: variables.collect(),
+            property_config: property_config.to_owned(),
+            calibration: (0..poses).map(|n| calibration_pose(f64::from(n))).collect(),
         };
         let mut player = Self {
             server: Server::new(settings).expect("good settings"),
@@ -208,6 +269,9 @@ impl Player {
             replies: VecDeque::new(),
             jobs: Vec::new(),
             waypoints: Vec::new(),
+            custom_ports: Vec::new(),
+            sections: 0,
+            setup: setup.to_owned(),
         };
         player.server.handle_connect(player.now, PORT, CLIENT);
         player
@@ -250,18 +314,30 @@ impl Player {
         match words.as_slice() {
             ["wait", millis] => self.wait(millis.parse().expect("milliseconds")),
             ["vision", "error", code] => self.finish_vision(Err(status(code))),
+            ["vision", "path", ..] => {
+                let (job_id, path) = (self.vision_job(), self.path(&words[2..]));
+                self.server.finish_vision_path(self.now, job_id, Ok(path));
+            }
+            ["vision", "custom", points @ ..] => {
+                let result = VisionResult {
+                    points: points.iter().map(|point| vision_point(point)).collect(),
+                    custom_ports: std::mem::take(&mut self.custom_ports),
+                };
+                let job_id = self.vision_job();
+                self.server
+                    .finish_vision_custom(self.now, job_id, Ok(result));
+            }
             ["vision", points @ ..] => {
-                let points = points.iter().map(|point| {
-                    let v = numbers(point);
-                    VisionPoint {
-                        base_from_object: Pose::new(
-                            Vector::new(v[0], v[1], v[2]) * 1e-3,
-                            Vector::z() * v[3].to_radians(),
-                        ),
-                        label: v[4] as i32,
-                    }
-                });
-                self.finish_vision(Ok(points.collect()));
+                self.finish_vision(Ok(points.iter().map(|point| vision_point(point)).collect()));
+            }
+            ["custom", ports @ ..] => {
+                self.custom_ports = ports.iter().map(|port| custom_port(port)).collect();
+            }
+            ["sections", sections] => self.sections = sections.parse().expect("sections"),
+            ["notify", message] => {
+                let job_id = self.viz_job();
+                let message = message.parse().expect("message");
+                self.server.notify(self.now, job_id, message);
             }
             [
                 "waypoint",
@@ -293,16 +369,9 @@ impl Player {
                 });
             }
             ["viz", "error", code] => self.finish_viz(Err(status(code))),
-            ["viz"] | ["viz", "outputs", ..] => {
-                let path = VizPath {
-                    points: std::mem::take(&mut self.waypoints),
-                    digital_outputs: words
-                        .iter()
-                        .skip(2)
-                        .map(|n| n.parse().expect("output"))
-                        .collect(),
-                };
-                self.finish_viz(Ok(path));
+            ["viz", rest @ ..] => {
+                let (job_id, path) = (self.viz_job(), self.path(rest));
+                self.server.finish_viz_path(self.now, job_id, Ok(path));
             }
             ["at", "branch", step] => {
                 let job_id = self.viz_job();
@@ -315,24 +384,60 @@ impl Player {
                     step: step.parse().expect("step"),
                     exit: exit.parse().expect("exit"),
                 };
-                self.collect();
-                let place_of_job = self.jobs.iter().position(|job| *job == expected);
-                let found =
-                    place_of_job.unwrap_or_else(|| panic!("{place}: jobs are {:?}", self.jobs));
-                self.jobs.remove(found);
+                self.expect_job(place, |job| *job == expected);
+            }
+            ["expect", "index", step, "at", index] => {
+                let expected = Job::SetIndex {
+                    job_id: self.viz_job(),
+                    step: step.parse().expect("step"),
+                    index: index.parse().expect("index"),
+                };
+                self.expect_job(place, |job| *job == expected);
+            }
+            ["expect", "capture", wanted] => {
+                let wanted: usize = wanted.parse().expect("number");
+                self.expect_job(
+                    place,
+                    |job| matches!(job, Job::CaptureCalibration { number, .. } if *number == wanted),
+                );
             }
             _ => panic!("{place}: unknown action {line}"),
         }
         self.collect();
     }
 
-    fn finish_vision(&mut self, outcome: VisionOutcome) {
+    fn expect_job(&mut self, place: &str, is_wanted: impl Fn(&Job) -> bool) {
+        self.collect();
+        let found = self.jobs.iter().position(is_wanted);
+        let found = found.unwrap_or_else(|| panic!("{place}: jobs are {:?}", self.jobs));
+        self.jobs.remove(found);
+    }
+
+    /// The waypoints and custom values told so far, with `outputs N ... | N ...`.
+    fn path(&mut self, words: &[&str]) -> PlannedPath {
+        let outputs = words.split_first().map_or(&[] as &[_], |(_, rest)| rest);
+        PlannedPath {
+            points: std::mem::take(&mut self.waypoints),
+            rounds: outputs
+                .split(|word| *word == "|")
+                .map(|round| round.iter().map(|n| n.parse().expect("output")).collect())
+                .collect(),
+            sections: self.sections,
+            custom_ports: std::mem::take(&mut self.custom_ports),
+        }
+    }
+
+    fn vision_job(&self) -> JobId {
         let job_id = self.jobs.iter().rev().find_map(|job| match job {
             Job::RunVision { job_id, .. } => Some(*job_id),
             _ => None,
         });
-        self.server
-            .finish_vision(self.now, job_id.expect("a vision run"), outcome);
+        job_id.expect("a vision run")
+    }
+
+    fn finish_vision(&mut self, outcome: VisionOutcome) {
+        let job_id = self.vision_job();
+        self.server.finish_vision(self.now, job_id, outcome);
     }
 
     fn viz_job(&self) -> JobId {
@@ -364,5 +469,39 @@ fn vision_move(values: &[f64]) -> VisionMoveData {
         is_group_square: values[16] != 0.0,
         is_box_square: values[17] != 0.0,
         group_size: BoxSize::from_mm([values[18], values[19], values[20]]),
+    }
+}
+
+fn vision_point(text: &str) -> VisionPoint {
+    let v = numbers(text);
+    VisionPoint {
+        base_from_object: Pose::new(
+            Vector::new(v[0], v[1], v[2]) * 1e-3,
+            Vector::z() * v[3].to_radians(),
+        ),
+        label: v[4] as i32,
+    }
+}
+
+fn custom_port(text: &str) -> CustomPort {
+    let (name, rows) = text.split_once('=').expect("PORT=ROWS");
+    CustomPort {
+        name: name.to_owned(),
+        rows: rows.split('|').map(numbers).collect(),
+    }
+}
+
+/// Pose n of the calibrations in the transcripts.
+fn calibration_pose(n: f64) -> CalibrationPose {
+    CalibrationPose {
+        base_from_flange: EulerConvention::AbbZyx.pose_from_mm_deg([
+            600.0 + 10.0 * n,
+            0.0,
+            800.0,
+            0.0,
+            0.0,
+            180.0,
+        ]),
+        joints: JointPositions::from_degrees(&[10.0 * n, 0.0, 10.0, 0.0, 30.0, 0.0]),
     }
 }
