@@ -206,7 +206,9 @@ fn a_closed_sending_side_still_gets_its_replies() {
         .expect("sent");
     robot.shutdown(Shutdown::Write).expect("a socket");
     let mut all = String::new();
-    robot.read_to_string(&mut all).expect("replies, then the end");
+    robot
+        .read_to_string(&mut all)
+        .expect("replies, then the end");
     let replies: Vec<&str> = all.split_terminator('\r').collect();
     assert_eq!(replies.len(), 3, "{all:?}");
     assert_eq!(replies[0], "101,1102");
@@ -230,7 +232,9 @@ fn a_reset_in_the_middle_of_replies_ends_only_that_client() {
     let served = Served::ascii();
     for _ in 0..20 {
         let mut robot = served.client();
-        robot.write_all("901\r".repeat(500).as_bytes()).expect("sent");
+        robot
+            .write_all("901\r".repeat(500).as_bytes())
+            .expect("sent");
         let mut some = [0; 10];
         robot.read_exact(&mut some).expect("the first replies");
         // Closing with replies unread sends a reset.
@@ -266,7 +270,9 @@ fn a_flood_does_not_delay_a_polite_client() {
                     let mut bytes = vec![0; 9 * 10_000];
                     reader.read_exact(&mut bytes).is_ok()
                 });
-                robot.write_all("901\r".repeat(10_000).as_bytes()).expect("sent");
+                robot
+                    .write_all("901\r".repeat(10_000).as_bytes())
+                    .expect("sent");
                 assert!(counting.join().expect("no panic"), "every reply came");
             })
         })
@@ -328,7 +334,12 @@ fn exit_codes_name_the_mistake() {
     assert_eq!(output.status.code(), Some(3));
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(text.contains(&address), "{text}");
-    for wrong in ["morse=127.0.0.1:0", "s7=127.0.0.1:0", "ascii", "ascii=nowhere"] {
+    for wrong in [
+        "morse=127.0.0.1:0",
+        "s7=127.0.0.1:0",
+        "ascii",
+        "ascii=nowhere",
+    ] {
         let output = run_to_end(&["--listen", wrong]);
         assert_eq!(output.status.code(), Some(2), "{wrong}");
     }
