@@ -137,7 +137,9 @@ impl Station {
     pub fn connect(&mut self, port: PortId, connection: ConnectionId) {
         let now = time_of(self.tick);
         if let Some(lane) = self.lanes.get_mut(usize::from(port.0)) {
-            lane.vision.server.handle_connect(now, LANE_PORT, connection);
+            lane.vision
+                .server
+                .handle_connect(now, LANE_PORT, connection);
             self.follow_up(port);
         }
     }
@@ -217,7 +219,10 @@ impl Station {
 
     fn is_computing(&mut self, tick: u64) -> bool {
         let now = time_of(tick);
-        let missing = self.lanes.iter_mut().map(|lane| lane.vision.is_computing(now));
+        let missing = self
+            .lanes
+            .iter_mut()
+            .map(|lane| lane.vision.is_computing(now));
         // All lanes are asked, so that none is asked in vain at the next call.
         missing.fold(false, |any, one| any | one)
     }
@@ -228,7 +233,12 @@ impl Station {
         let now = time_of(tick);
         for place in 0..self.lanes.len() {
             let lane = &mut self.lanes[place];
-            if lane.vision.server.poll_timeout().is_some_and(|due| due <= now) {
+            if lane
+                .vision
+                .server
+                .poll_timeout()
+                .is_some_and(|due| due <= now)
+            {
                 lane.vision.server.handle_timeout(now);
             }
             let seen = lane.vision.is_exposure_due(now).then(|| Seen {

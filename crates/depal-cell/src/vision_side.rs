@@ -232,9 +232,7 @@ impl VisionSide {
             self.work.retain(|(_, work)| match work {
                 Work::Exposure { owner, .. }
                 | Work::Poses { owner, .. }
-                | Work::Computing { owner, .. } => {
-                    *owner != Owner::Viz(job_id)
-                }
+                | Work::Computing { owner, .. } => *owner != Owner::Viz(job_id),
                 Work::Path { job_id: other, .. } => *other != job_id,
             });
         }

@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 #[non_exhaustive]
 pub enum NetError {
     /// A port cannot be listened on.
-    #[error("cannot listen on {address} (port {}): {source}", address.port())]
+    #[error("cannot listen on {address}: {source}")]
     Listen {
         /// The address.
         address: SocketAddr,

@@ -33,9 +33,7 @@ pub fn bind(addresses: &[SocketAddr]) -> Result<Ports, NetError> {
             source,
         };
         let listener = listen(*address).map_err(failed)?;
-        ports
-            .addresses
-            .push(listener.local_addr().map_err(failed)?);
+        ports.addresses.push(listener.local_addr().map_err(failed)?);
         ports.listeners.push(listener);
     }
     Ok(ports)

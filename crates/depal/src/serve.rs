@@ -72,9 +72,9 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
 /// KIND=ADDR:PORT; the address may be left out.
 fn parse_listen(text: &str) -> Result<Listen, Failure> {
     let input = |message: String| Failure::Input(format!("--listen {text}: {message}"));
-    let (kind, place) = text.split_once('=').ok_or_else(|| {
-        input("expected KIND=ADDR:PORT, as in ascii=127.0.0.1:50000".to_owned())
-    })?;
+    let (kind, place) = text
+        .split_once('=')
+        .ok_or_else(|| input("expected KIND=ADDR:PORT, as in ascii=127.0.0.1:50000".to_owned()))?;
     let encoding = Encoding::from_name(&kind.to_ascii_lowercase()).ok_or_else(|| {
         let kinds = "expected ascii, hex-le or hex-be";
         match kind {
@@ -170,7 +170,9 @@ fn announce(
     }
     if args.json {
         let list: Vec<_> = listening()
-            .map(|(encoding, address)| json!({"kind": encoding.name(), "addr": address.to_string()}))
+            .map(
+                |(encoding, address)| json!({"kind": encoding.name(), "addr": address.to_string()}),
+            )
             .collect();
         let mut out = std::io::stdout();
         writeln!(out, "{}", json!({ "listening": list }))

@@ -168,7 +168,10 @@ fn raw(bytes: &[u8]) -> String {
     if bytes.iter().all(is_text) {
         return bytes.escape_ascii().to_string();
     }
-    let used = bytes.iter().rposition(|b| *b != 0).map_or(0, |last| last + 1);
+    let used = bytes
+        .iter()
+        .rposition(|b| *b != 0)
+        .map_or(0, |last| last + 1);
     let digits: Vec<String> = bytes[..used].iter().map(|b| format!("{b:02x}")).collect();
     match bytes.len() - used {
         0 => digits.join(" "),

@@ -1,0 +1,388 @@
+//! `depal serve` as a robot meets it: the real program, real sockets on the loopback interface.
+#![allow(missing_docs, clippy::disallowed_methods)]
+
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const BINARY: &str = env!("CARGO_BIN_EXE_depal");
+
+/// A running server; killed when it goes out of scope.
+struct Served {
+    child: Child,
+    ports: Vec<SocketAddr>,
+}
+
+impl Served {
+    fn start(args: &[&str]) -> Self {
+        let mut child = Command::new(BINARY)
+            .arg("serve")
+            .args(args)
+            .arg("--json")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the program starts");
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().expect("piped"))
+            .read_line(&mut line)
+            .expect("a ready line");
+        let ready: serde_json::Value = serde_json::from_str(&line).expect("one line of JSON");
+        let listening = ready["listening"].as_array().expect("a list");
+        let ports = listening
+            .iter()
+            .map(|port| port["addr"].as_str().expect("text").parse().expect("addr"))
+            .collect();
+        Self { child, ports }
+    }
+
+    fn ascii() -> Self {
+        Self::start(&["--listen", "ascii=127.0.0.1:0", "--set", "cartons.count=8"])
+    }
+
+    fn client(&self) -> TcpStream {
+        client(self.ports[0])
+    }
+
+    fn terminate(mut self) -> (Option<i32>, Duration) {
+        let started = Instant::now();
+        let pid = self.child.id().to_string();
+        let killed = Command::new("kill").args(["-TERM", &pid]).status();
+        assert!(killed.expect("kill is there").success());
+        let status = self.child.wait().expect("it ends");
+        (status.code(), started.elapsed())
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn client(address: SocketAddr) -> TcpStream {
+    let stream = TcpStream::connect(address).expect("it listens");
+    stream.set_nodelay(true).expect("a socket");
+    stream
+        .set_read_timeout(Some(Duration::from_secs(15)))
+        .expect("a socket");
+    stream
+}
+
+/// One reply, without its CR.
+fn reply(stream: &mut TcpStream) -> String {
+    let mut text = Vec::new();
+    let mut byte = [0];
+    loop {
+        stream.read_exact(&mut byte).expect("a reply");
+        if byte[0] == b'\r' {
+            return String::from_utf8(text).expect("text");
+        }
+        text.push(byte[0]);
+    }
+}
+
+fn ask(stream: &mut TcpStream, command: &str) -> String {
+    stream.write_all(command.as_bytes()).expect("sent");
+    stream.write_all(b"\r").expect("sent");
+    reply(stream)
+}
+
+/// Whether the server has closed, by FIN or by RST; what it still says is read.
+fn is_closed(stream: &mut TcpStream) -> bool {
+    let mut rest = Vec::new();
+    match stream.read_to_end(&mut rest) {
+        Ok(_) => true,
+        Err(error) => error.kind() == ErrorKind::ConnectionReset,
+    }
+}
+
+/// Another client is answered; the best of a few tries, so that a busy computer does not count.
+fn check_alive(served: &Served) {
+    let best = (0..5)
+        .map(|_| {
+            let started = Instant::now();
+            assert_eq!(ask(&mut served.client(), "901"), "901,1101");
+            started.elapsed()
+        })
+        .min()
+        .expect("five tries");
+    assert!(best < Duration::from_millis(50), "answered after {best:?}");
+}
+
+fn run_to_end(args: &[&str]) -> Output {
+    Command::new(BINARY)
+        .arg("serve")
+        .args(args)
+        .output()
+        .expect("the program starts")
+}
+
+fn temporary(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+const TRIGGER: &str = "101,1,0,0,0,0,0,0,0,0";
+
+#[test]
+fn commands_come_in_any_pieces() {
+    let served = Served::ascii();
+    let mut robot = served.client();
+    for byte in b"901\r\n103,7,1\r\n999\r\n" {
+        robot.write_all(&[*byte]).expect("sent");
+    }
+    assert_eq!(reply(&mut robot), "901,1101");
+    assert_eq!(reply(&mut robot), "103,1011");
+    assert_eq!(reply(&mut robot), "999,3001");
+    // A thousand at once are answered in order.
+    let many: String = (0..1000).map(|n| format!("{}\r", 3000 + n)).collect();
+    robot.write_all(many.as_bytes()).expect("sent");
+    for n in 0..1000 {
+        assert_eq!(reply(&mut robot), format!("{},3001", 3000 + n));
+    }
+    // Without a terminator, silence ends the command.
+    robot.write_all(b"901").expect("sent");
+    assert_eq!(reply(&mut robot), "901,1101");
+    check_alive(&served);
+}
+
+#[test]
+fn vision_results_wait_for_the_next_client_and_are_given_once() {
+    let served = Served::ascii();
+    assert_eq!(ask(&mut served.client(), TRIGGER), "101,1102");
+    let mut robot = served.client();
+    let points = ask(&mut robot, "102,1");
+    assert!(points.starts_with("102,1100,1,8,"), "{points}");
+    assert_eq!(ask(&mut robot, "102,1"), "102,1002");
+}
+
+#[test]
+fn a_waiting_command_holds_up_only_its_own_connection() {
+    let served = Served::ascii();
+    let (mut waiting, mut other) = (served.client(), served.client());
+    assert_eq!(ask(&mut waiting, TRIGGER), "101,1102");
+    waiting.write_all(b"102,1\r901\r").expect("sent");
+    let started = Instant::now();
+    while started.elapsed() < Duration::from_millis(300) {
+        assert_eq!(ask(&mut other, "901"), "901,1101");
+    }
+    assert!(reply(&mut waiting).starts_with("102,1100,"));
+    assert_eq!(reply(&mut waiting), "901,1101");
+}
+
+#[test]
+fn sessions_of_two_ports_do_not_touch() {
+    let served = Served::start(&[
+        "--listen",
+        "ascii=127.0.0.1:0",
+        "--listen",
+        "hex-le=127.0.0.1:0",
+        "--set",
+        "cartons.count=8",
+    ]);
+    let mut text = client(served.ports[0]);
+    assert_eq!(ask(&mut text, TRIGGER), "101,1102");
+    // 102 on the other port: there, nothing was started.
+    let mut packed = client(served.ports[1]);
+    let mut request = [0; 64];
+    request[0] = 102;
+    request[4] = 1;
+    packed.write_all(&request).expect("sent");
+    let mut answer = [0; 660];
+    packed.read_exact(&mut answer).expect("660 bytes");
+    assert_eq!(answer[..8], [102, 0, 0, 0, 0xfc, 3, 0, 0], "1020");
+    assert!(ask(&mut text, "102,1").starts_with("102,1100,1,8,"));
+}
+
+#[test]
+fn a_closed_sending_side_still_gets_its_replies() {
+    let served = Served::ascii();
+    let mut robot = served.client();
+    robot
+        .write_all(format!("{TRIGGER}\r102,1\r901").as_bytes())
+        .expect("sent");
+    robot.shutdown(Shutdown::Write).expect("a socket");
+    let mut all = String::new();
+    robot
+        .read_to_string(&mut all)
+        .expect("replies, then the end");
+    let replies: Vec<&str> = all.split_terminator('\r').collect();
+    assert_eq!(replies.len(), 3, "{all:?}");
+    assert_eq!(replies[0], "101,1102");
+    assert!(replies[1].starts_with("102,1100,1,8,"), "{all:?}");
+    assert_eq!(replies[2], "901,1101");
+}
+
+#[test]
+fn a_result_goes_past_a_client_that_has_closed() {
+    let served = Served::ascii();
+    let mut gone = served.client();
+    gone.write_all(format!("{TRIGGER}\r102,1\r").as_bytes())
+        .expect("sent");
+    assert_eq!(reply(&mut gone), "101,1102");
+    drop(gone);
+    assert!(ask(&mut served.client(), "102,1").starts_with("102,1100,1,8,"));
+}
+
+#[test]
+fn a_reset_in_the_middle_of_replies_ends_only_that_client() {
+    let served = Served::ascii();
+    for _ in 0..20 {
+        let mut robot = served.client();
+        robot
+            .write_all("901\r".repeat(500).as_bytes())
+            .expect("sent");
+        let mut some = [0; 10];
+        robot.read_exact(&mut some).expect("the first replies");
+        // Closing with replies unread sends a reset.
+        drop(robot);
+    }
+    check_alive(&served);
+}
+
+#[test]
+fn what_is_no_command_is_cut() {
+    let served = Served::ascii();
+    let mut endless = served.client();
+    let _ = endless.write_all(&[b'7'; 100_000]);
+    assert!(is_closed(&mut endless), "a line of 100,000 bytes");
+    let mut tls = served.client();
+    let mut hello = vec![0x16, 0x03, 0x01, 0x02, 0x00, 0x01, 0x00, 0x01, 0xfc];
+    hello.resize(517, 0xa5);
+    tls.write_all(&hello).expect("sent");
+    assert!(is_closed(&mut tls), "a TLS hello");
+    check_alive(&served);
+}
+
+#[test]
+fn a_flood_does_not_delay_a_polite_client() {
+    let served = Served::ascii();
+    let address = served.ports[0];
+    let floods: Vec<_> = (0..8)
+        .map(|_| {
+            std::thread::spawn(move || {
+                let mut robot = client(address);
+                let mut reader = robot.try_clone().expect("a socket");
+                let counting = std::thread::spawn(move || {
+                    let mut bytes = vec![0; 9 * 10_000];
+                    reader.read_exact(&mut bytes).is_ok()
+                });
+                robot
+                    .write_all("901\r".repeat(10_000).as_bytes())
+                    .expect("sent");
+                assert!(counting.join().expect("no panic"), "every reply came");
+            })
+        })
+        .collect();
+    let mut polite = served.client();
+    let mut times = Vec::new();
+    for _ in 0..20 {
+        let started = Instant::now();
+        assert_eq!(ask(&mut polite, "901"), "901,1101");
+        times.push(started.elapsed());
+    }
+    times.sort();
+    assert!(times[10] < Duration::from_millis(50), "{times:?}");
+    for flood in floods {
+        flood.join().expect("no panic");
+    }
+}
+
+#[test]
+fn a_port_holds_80_clients_and_refuses_the_129th() {
+    let served = Served::ascii();
+    let mut clients: Vec<TcpStream> = (0..128).map(|_| served.client()).collect();
+    for robot in &mut clients {
+        assert_eq!(ask(robot, "901"), "901,1101");
+    }
+    assert!(is_closed(&mut served.client()), "the 129th");
+    clients.truncate(100);
+    let started = Instant::now();
+    while started.elapsed() < Duration::from_secs(5) {
+        let mut robot = served.client();
+        let _ = robot.write_all(b"901\r");
+        if robot.read(&mut [0; 9]).is_ok_and(|count| count > 0) {
+            return;
+        }
+    }
+    panic!("places that became free are not given again");
+}
+
+#[test]
+fn sigterm_ends_cleanly_and_the_port_is_free_at_once() {
+    let served = Served::ascii();
+    let address = served.ports[0].to_string();
+    let mut robot = served.client();
+    assert_eq!(ask(&mut robot, "901"), "901,1101");
+    let (code, time) = served.terminate();
+    assert_eq!(code, Some(0));
+    assert!(time < Duration::from_secs(2), "{time:?}");
+    assert!(is_closed(&mut robot));
+    let listen = format!("ascii={address}");
+    let again = Served::start(&["--listen", &listen, "--set", "cartons.count=8"]);
+    assert_eq!(ask(&mut again.client(), "901"), "901,1101");
+}
+
+#[test]
+fn exit_codes_name_the_mistake() {
+    let taken = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let address = taken.local_addr().expect("bound").to_string();
+    let output = run_to_end(&["--listen", &format!("ascii={address}")]);
+    assert_eq!(output.status.code(), Some(3));
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains(&address), "{text}");
+    for wrong in [
+        "morse=127.0.0.1:0",
+        "s7=127.0.0.1:0",
+        "ascii",
+        "ascii=nowhere",
+    ] {
+        let output = run_to_end(&["--listen", wrong]);
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+    }
+}
+
+#[test]
+fn a_journal_is_answered_the_same_again() {
+    let path = temporary("journal.jsonl");
+    let journal = path.to_string_lossy().into_owned();
+    let served = Served::start(&[
+        "--listen",
+        "ascii=127.0.0.1:0",
+        "--set",
+        "cartons.count=8",
+        "--journal",
+        &journal,
+    ]);
+    let mut robot = served.client();
+    assert_eq!(ask(&mut robot, TRIGGER), "101,1102");
+    assert!(ask(&mut robot, "102,1").starts_with("102,1100,"));
+    assert_eq!(ask(&mut robot, "201,0,0,0,0,0,0,0"), "201,2103");
+    ask(&mut robot, "205,2");
+    robot.write_all(b"901").expect("sent");
+    assert_eq!(reply(&mut robot), "901,1101");
+    drop(robot);
+    assert_eq!(served.terminate().0, Some(0));
+
+    let same = run_to_end(&["--replay", &journal, "--json"]);
+    assert_eq!(same.status.code(), Some(0), "{same:?}");
+    let verdict: serde_json::Value = serde_json::from_slice(&same.stdout).expect("JSON");
+    assert_eq!(verdict["replies"], 5);
+
+    // One digit of one recorded reply changed: the first difference is told.
+    let text = std::fs::read_to_string(&path).expect("it is there");
+    let changed = text.replacen("101,1102", "101,1103", 1).replacen(
+        "3130312c313130320d",
+        "3130312c313130330d",
+        1,
+    );
+    assert_ne!(text, changed);
+    std::fs::write(&path, changed).expect("writable");
+    let other = run_to_end(&["--replay", &journal]);
+    assert_eq!(other.status.code(), Some(1));
+    let told = String::from_utf8_lossy(&other.stderr).into_owned();
+    assert!(told.contains("recorded") && told.contains("1103"), "{told}");
+}
