@@ -24,3 +24,4 @@ pub mod score;
 pub mod spec;
 pub mod truth;
 mod vision_side;
+mod waypoints;
