@@ -4,7 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use depal_frames::{BoxSize, JointPositions};
-use depal_interface::{Direction, Job, JobId, PortId, RobotPose, Server, Status, VisionPoint, VizPath};
+use depal_interface::{
+    Direction, Job, JobId, PortId, RobotPose, Server, Status, VisionPoint, VizPath,
+};
 use depal_time::SimTime;
 use depal_workflow::{Ask, Engine, Piece};
 
