@@ -4,7 +4,8 @@ use crate::choice::{choice, one_of};
 use crate::reader::{Checker, section};
 use crate::rules::above;
 use crate::rules::{
-    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, ListOf, Maybe, Number, Numbers, Span, SpanOf, number, table, whole,
+    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, ListOf, Maybe, Number, Numbers, Span, SpanOf, number,
+    table, whole,
 };
 
 /// Friction from ice to rubber.
