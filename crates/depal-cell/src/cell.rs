@@ -283,7 +283,7 @@ impl Cell {
         let vacuum_ok = self
             .world
             .gripper()
-            .is_some_and(|gripper| gripper.vacuum_ok());
+            .is_some_and(depal_gripper::GripperState::vacuum_ok);
         let input = self.spec.wiring.vacuum_ok.clone();
         self.controller
             .set_input(&input, f64::from(u8::from(vacuum_ok)))
@@ -438,7 +438,7 @@ impl Cell {
         let held = self
             .world
             .gripper()
-            .map(|g| g.held_cartons())
+            .map(depal_gripper::GripperState::held_cartons)
             .unwrap_or_default();
         self.world
             .cartons()
@@ -459,7 +459,9 @@ impl Cell {
         let joints = self.controller.commanded_joints();
         let (world_from_links, world_from_tcp) = arm_poses(&self.spec, &joints);
         let gripper = self.world.gripper();
-        let held = gripper.map(|g| g.held_cartons()).unwrap_or_default();
+        let held = gripper
+            .map(depal_gripper::GripperState::held_cartons)
+            .unwrap_or_default();
         let target = self.vision.target_carton();
         let cartons = self
             .world

@@ -20,7 +20,7 @@ pub(crate) struct Joined {
 
 /// A waypoint, or a move that waits for the one after it.
 enum Slot<'a> {
-    Point(PathPoint),
+    Point(Box<PathPoint>),
     Open(&'a Move, &'a Pose, depal_workflow::OffsetFrame),
 }
 
@@ -46,7 +46,12 @@ pub(crate) fn join(
                 carried = plan.carried;
                 joined.rounds.extend(plan.rounds.iter().cloned());
                 joined.carton = plan.carton.or(joined.carton);
-                slots.extend(plan.points.iter().cloned().map(Slot::Point));
+                slots.extend(
+                    plan.points
+                        .iter()
+                        .cloned()
+                        .map(|ready| Slot::Point(Box::new(ready))),
+                );
                 before = plan.points.last().map_or(before, |point| point.joints);
                 continue;
             }
@@ -58,7 +63,7 @@ pub(crate) fn join(
                     return Err(Status::VizUnreachable);
                 }
                 before = *joints;
-                slots.push(Slot::Point(point(spec, next, *joints)));
+                slots.push(Slot::Point(Box::new(point(spec, next, *joints))));
                 continue;
             }
             Target::Relative {
@@ -78,13 +83,13 @@ pub(crate) fn join(
                 .base_from_tcp(base_from_place, spec.planner.place_gap),
         };
         before = reach(spec, &pose, &before)?;
-        slots.push(Slot::Point(point(spec, next, before)));
+        slots.push(Slot::Point(Box::new(point(spec, next, before))));
     }
     // From behind: what waits for the waypoint after it.
     let mut after: Option<PathPoint> = None;
     for slot in slots.into_iter().rev() {
         let ready = match slot {
-            Slot::Point(ready) => ready,
+            Slot::Point(ready) => *ready,
             Slot::Open(next, offset, frame) => {
                 let reference = after.as_ref().ok_or(Status::VizRuntimeError)?;
                 let pose = Target::offset_pose(&reference.base_from_tcp, offset, frame);
