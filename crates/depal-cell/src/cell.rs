@@ -420,7 +420,7 @@ impl Cell {
                 .and_then(|(_, reason)| *reason)
                 .or_else(|| self.vision.dialogue_failure())
                 .unwrap_or(FailureReason::ProgramError),
-            EndState::Finished if left == 0 => return None,
+            EndState::Finished if left == 0 || self.spec.may_leave_cartons => return None,
             EndState::Finished => self
                 .vision
                 .last_failure()

@@ -29,3 +29,4 @@ pub mod spec;
 pub mod station;
 pub mod truth;
 mod vision_side;
+mod waypoints;

@@ -1,8 +1,11 @@
 //! Between vision, planner and server: what one says in the words of the next.
 
-use depal_frames::{BoxSize, JointPositions};
-use depal_interface::{Motion, PathPoint, Status, VisionMoveData, VizPath};
+use std::collections::BTreeSet;
+
+use depal_frames::{BoxSize, JointPositions, Pose};
+use depal_interface::{Motion, PathPoint, Status, VisionMoveData};
 use depal_planner::{PickPlan, PlanRequest, Refusal, RejectReason, SeenBox, plan_pick};
+use depal_workflow::{PickRequest, Place};
 
 use crate::event::{EventKind, FailureReason, LoggedPose, LoggedWaypoint, round};
 use crate::picture::Picture;
@@ -12,15 +15,41 @@ use crate::spec::CellSpec;
 /// Tool id of the gripper on the wire.
 pub(crate) const TOOL: i32 = 1;
 
-/// What planning came to: a path for the server, or the status that the robot has to hear.
+/// A planned pick, or all of a picture's, as the engine carries it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PlannedPick {
+    /// Waypoints of all rounds.
+    pub(crate) points: Vec<PathPoint>,
+    /// Numbers of the outputs to switch on, by round.
+    pub(crate) rounds: Vec<Vec<u16>>,
+    /// The picked reports in the picture, by round.
+    pub(crate) detections: Vec<usize>,
+    /// How the carton of the last round hangs on the gripper.
+    pub(crate) carried: Option<Carried>,
+    /// By truth: the carton that the first round aims at.
+    pub(crate) carton: Option<u32>,
+}
+
+/// How a carton hangs on the gripper.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Carried {
+    /// From the middle of the top face to the tool.
+    box_from_tcp: Pose,
+    /// Height of the carton, metres.
+    height: f64,
+}
+
+impl Carried {
+    /// Tool pose that brings the carton's bottom face to a place, `gap` above it.
+    pub(crate) fn base_from_tcp(&self, base_from_place: &Pose, gap: f64) -> Pose {
+        base_from_place * Pose::translation(0.0, 0.0, self.height + gap) * self.box_from_tcp
+    }
+}
+
+/// What planning came to: a path, or the status that the robot has to hear.
 pub(crate) enum Planned {
     /// A path.
-    Path {
-        /// For the server.
-        path: VizPath,
-        /// Index of the picked report in the picture.
-        detection: usize,
-    },
+    Path(PlannedPick),
     /// No path.
     Refused {
         /// For the robot.
@@ -30,25 +59,114 @@ pub(crate) enum Planned {
     },
 }
 
-/// Plans a pick from what vision saw.
+/// What a pick starts from.
+pub(crate) struct Situation<'a> {
+    /// What vision saw.
+    pub(crate) picture: &'a Picture,
+    /// Reports of the picture that are planned already.
+    pub(crate) taken: &'a BTreeSet<usize>,
+    /// Where the arm is, radians.
+    pub(crate) start: JointPositions,
+    /// Cartons planned before.
+    pub(crate) picked_before: i32,
+}
+
+/// Plans what the project asks for: one pick, or round after round until the picture is used up.
 pub(crate) fn plan(
     spec: &CellSpec,
-    picture: &Picture,
-    start: JointPositions,
-    picked_before: i32,
+    situation: &Situation,
+    pick: &PickRequest,
+    place: Option<Place>,
     stopwatch: fn() -> f64,
     score: &mut Score,
     events: &mut Vec<EventKind>,
 ) -> Planned {
-    let boxes: Vec<SeenBox> = picture
-        .detection
-        .boxes
+    let picture = situation.picture;
+    let mut taken = situation.taken.clone();
+    let mut start = situation.start;
+    let mut all = PlannedPick::default();
+    loop {
+        let left: Vec<usize> = (0..picture.detection.boxes.len())
+            .filter(|index| !taken.contains(index))
+            .collect();
+        if left.is_empty() && !all.detections.is_empty() {
+            return Planned::Path(all);
+        }
+        let round = match plan_one(spec, picture, &left, start, stopwatch, score, events) {
+            Ok(plan) => plan,
+            Err(refusal) => {
+                let (status, reason) = refusal_meaning(&refusal);
+                events.push(EventKind::PlanRefused {
+                    reasons: refusal_reasons(&refusal),
+                });
+                return Planned::Refused { status, reason };
+            }
+        };
+        let detection = left[round.box_index];
+        let label = picture.detection.boxes[detection].label as i32;
+        let picked = situation.picked_before + all.detections.len() as i32;
+        let mut points = path_points(&round, label, picked);
+        for point in &mut points {
+            point.velocity_percent *= pick.velocity_percent / 100.0;
+        }
+        if place.is_none() {
+            // The project's own moves lead to the pick and away from it.
+            let mut point = points.swap_remove(round.pick_index);
+            point.velocity_percent = pick.velocity_percent;
+            points = vec![point];
+        } else if let Some(above) = all.points.len().checked_sub(2) {
+            // Off the carton that was placed before, by the way that led down to it.
+            let mut back = all.points[above].clone();
+            back.motion = Motion::Linear;
+            all.points.push(back);
+        }
+        let at_pick = &round.waypoints[round.pick_index];
+        all.carried = Some(Carried {
+            box_from_tcp: picture.base_from_boxes[detection].inverse() * at_pick.base_from_tcp,
+            height: picture.detection.boxes[detection].size.height,
+        });
+        all.rounds.push(
+            round
+                .sections
+                .iter()
+                .map(|section| spec.gripper.sections[*section].digital_output)
+                .collect(),
+        );
+        if all.detections.is_empty() {
+            all.carton = picture.cartons[detection];
+        }
+        all.points.extend(points);
+        all.detections.push(detection);
+        taken.insert(detection);
+        if !pick.plans_all {
+            return Planned::Path(all);
+        }
+        start = match all.points.len().checked_sub(2) {
+            Some(above) => all.points[above].joints,
+            None => start,
+        };
+    }
+}
+
+/// One pick with its way to the conveyor, out of the reports that are left.
+fn plan_one(
+    spec: &CellSpec,
+    picture: &Picture,
+    left: &[usize],
+    start: JointPositions,
+    stopwatch: fn() -> f64,
+    score: &mut Score,
+    events: &mut Vec<EventKind>,
+) -> Result<PickPlan, Refusal> {
+    let boxes: Vec<SeenBox> = left
         .iter()
-        .zip(&picture.base_from_boxes)
-        .map(|(found, base_from_box)| SeenBox {
-            base_from_box: *base_from_box,
-            size: found.size,
-            confidence: found.confidence,
+        .map(|index| {
+            let found = &picture.detection.boxes[*index];
+            SeenBox {
+                base_from_box: picture.base_from_boxes[*index],
+                size: found.size,
+                confidence: found.confidence,
+            }
         })
         .collect();
     let obstacle_points: Vec<_> = picture
@@ -70,33 +188,19 @@ pub(crate) fn plan(
     let started = stopwatch();
     let planned = plan_pick(&request);
     score.planning_ms.push((stopwatch() - started) * 1e3);
-    match planned {
-        Ok(plan) => {
-            let clearance = plan.min_clearance * 1e3;
-            score.min_clearance_mm = Some(
-                score
-                    .min_clearance_mm
-                    .map_or(clearance, |least| least.min(clearance)),
-            );
-            events.push(plan_event(spec, &plan));
-            let label = picture.detection.boxes[plan.box_index].label as i32;
-            Planned::Path {
-                path: viz_path(spec, &plan, label, picked_before),
-                detection: plan.box_index,
-            }
-        }
-        Err(refusal) => {
-            let (status, reason) = refusal_meaning(&refusal);
-            events.push(EventKind::PlanRefused {
-                reasons: refusal_reasons(&refusal),
-            });
-            Planned::Refused { status, reason }
-        }
-    }
+    let plan = planned?;
+    let clearance = plan.min_clearance * 1e3;
+    score.min_clearance_mm = Some(
+        score
+            .min_clearance_mm
+            .map_or(clearance, |least| least.min(clearance)),
+    );
+    events.push(plan_event(spec, &plan, left[plan.box_index]));
+    Ok(plan)
 }
 
-/// The plan as the server sends it.
-fn viz_path(spec: &CellSpec, plan: &PickPlan, label: i32, picked_before: i32) -> VizPath {
+/// The plan's waypoints as the server sends them.
+fn path_points(plan: &PickPlan, label: i32, picked_before: i32) -> Vec<PathPoint> {
     let mut labels = [0; 10];
     labels[0] = label;
     let points = plan.waypoints.iter().enumerate().map(|(index, waypoint)| {
@@ -127,19 +231,12 @@ fn viz_path(spec: &CellSpec, plan: &PickPlan, label: i32, picked_before: i32) ->
             }),
         }
     });
-    let outputs = plan
-        .sections
-        .iter()
-        .map(|section| spec.gripper.sections[*section].digital_output);
-    VizPath {
-        points: points.collect(),
-        digital_outputs: outputs.collect(),
-    }
+    points.collect()
 }
 
-fn plan_event(spec: &CellSpec, plan: &PickPlan) -> EventKind {
+fn plan_event(spec: &CellSpec, plan: &PickPlan, detection: usize) -> EventKind {
     EventKind::Plan {
-        detection: plan.box_index,
+        detection,
         waypoints: plan
             .waypoints
             .iter()

@@ -64,6 +64,8 @@ pub struct CellSpec {
     pub latencies: Latencies,
     /// After this the run is over.
     pub time_limit: SimDuration,
+    /// The program may end while cartons are left; else that is a failure.
+    pub may_leave_cartons: bool,
 }
 
 /// One vision project: what a user would have typed in.
@@ -73,6 +75,51 @@ pub struct VisionProject {
     pub settings: VisionSettings,
     /// Sizes by recipe number.
     pub recipes: BTreeMap<i32, Vec<BoxSize>>,
+    /// Data of the project's own that goes out with every point.
+    pub custom_ports: Vec<CustomPort>,
+    /// The project plans a path by these steps, the recognition included; absent: it gives points.
+    pub path: Option<Project>,
+}
+
+/// Data of a vision project's own under a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CustomPort {
+    /// The name: the server sends ports in its byte order.
+    pub name: String,
+    /// What it gives.
+    pub rows: CustomRows,
+}
+
+/// What a custom port gives.
+#[derive(Debug, Clone, PartialEq)]
+pub enum CustomRows {
+    /// The same numbers with every point.
+    Same(Vec<f64>),
+    /// A row of its own for each point, in the order of the points.
+    ByPoint(Vec<Vec<f64>>),
+}
+
+impl VisionProject {
+    /// The numbers that go out with each of `points` points: all ports in the byte order of their names, joined.
+    ///
+    /// # Errors
+    /// The name of a port whose rows are not as many as the points (1024).
+    pub fn custom_data(&self, points: usize) -> Result<Vec<Vec<f64>>, &str> {
+        let mut ports: Vec<&CustomPort> = self.custom_ports.iter().collect();
+        ports.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
+        let mut joined = vec![Vec::new(); points];
+        for port in ports {
+            match &port.rows {
+                CustomRows::Same(row) => joined.iter_mut().for_each(|all| all.extend(row)),
+                CustomRows::ByPoint(rows) if rows.len() == points => joined
+                    .iter_mut()
+                    .zip(rows)
+                    .for_each(|(all, row)| all.extend(row)),
+                CustomRows::ByPoint(_) => return Err(&port.name),
+            }
+        }
+        Ok(joined)
+    }
 }
 
 /// Signals between cabinet and gripper.

@@ -1,12 +1,14 @@
 //! The vision computer: the server's brain, the planning project's engine, and the work they ask for.
 //! Each result is handed over when its simulated time has come.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use depal_frames::{BoxSize, JointPositions};
 use depal_interface::{
-    Direction, Job, JobId, Motion, PathPoint, PortId, Server, Status, VisionPoint, VizPath,
+    Direction, Job, JobId, PortId, RobotPose, Server, Status, VisionPoint, VizPath,
 };
 use depal_time::{SimTime, TICK};
-use depal_workflow::{Ask, Engine, MoveMotion, Piece};
+use depal_workflow::{Ask, Engine, Piece};
 
 use crate::computing::{Computing, Elsewhere};
 use crate::error::CellError;
@@ -14,9 +16,10 @@ use crate::event::{EventKind, FailureReason};
 use crate::link::{Link, ToServer};
 use crate::observer::Observer;
 use crate::picture::{Picture, Seen, take_picture};
-use crate::planning::{Planned, plan};
+use crate::planning::{Planned, PlannedPick, Situation, plan};
 use crate::score::Score;
 use crate::spec::{CellSpec, VisionProject};
+use crate::waypoints::{Joined, end_of, join};
 
 /// The one port of the in-process link.
 const PORT: PortId = PortId(0);
@@ -40,33 +43,31 @@ pub(crate) enum Work {
     /// The poses are there at their due time.
     Poses { owner: Owner, picture: Picture },
     /// The path is there at its due time.
-    Path { job_id: JobId, planned: Planned },
+    Path { owner: Owner, planned: Planned },
     /// Poses or a path that are computed elsewhere meanwhile.
     Computing { owner: Owner, result: Computing },
 }
 
-/// A run of the planning project.
-struct VizRun {
-    job_id: JobId,
+/// A run of steps: the planning project's, or those of a vision project that plans a path.
+struct StepRun {
+    owner: Owner,
+    engine: Engine<PlannedPick>,
     start: JointPositions,
     box_sizes: Vec<(i32, BoxSize)>,
     recipes: Vec<(i32, i32)>,
     picture: Option<Picture>,
-    branch_told: bool,
-}
-
-/// A planned pick as the engine carries it.
-#[derive(Debug, Clone)]
-struct PlannedPick {
-    path: VizPath,
-    carton: Option<u32>,
+    /// Reports of the picture that have their path.
+    taken: BTreeSet<usize>,
 }
 
 /// The vision computer of a cell.
 pub(crate) struct VisionSide {
     pub(crate) server: Server,
+    /// The planning project before its runs.
     engine: Engine<PlannedPick>,
-    viz: Option<VizRun>,
+    /// The path steps of vision projects before their runs.
+    path_engines: BTreeMap<i32, Engine<PlannedPick>>,
+    runs: Vec<StepRun>,
     work: Vec<(SimTime, Work)>,
     frames: u32,
     picks_planned: i32,
@@ -82,12 +83,21 @@ pub(crate) struct VisionSide {
 impl VisionSide {
     pub(crate) fn new(spec: &CellSpec, stopwatch: fn() -> f64) -> Result<Self, CellError> {
         let projects: Vec<i32> = spec.projects.keys().copied().collect();
-        let engine = Engine::new(spec.workflow.clone(), &projects)
-            .map_err(|error| CellError::Workflow(error.to_string()))?;
+        let engine = |project: &depal_workflow::Project| {
+            Engine::new(project.clone(), &projects)
+                .map_err(|error| CellError::Workflow(error.to_string()))
+        };
+        let mut path_engines = BTreeMap::new();
+        for (id, project) in &spec.projects {
+            if let Some(path) = &project.path {
+                path_engines.insert(*id, engine(path)?);
+            }
+        }
         Ok(Self {
             server: Server::new(spec.interface.clone())?,
-            engine,
-            viz: None,
+            engine: engine(&spec.workflow)?,
+            path_engines,
+            runs: Vec::new(),
             work: Vec::new(),
             frames: 0,
             picks_planned: 0,
@@ -182,10 +192,24 @@ impl VisionSide {
                     project,
                     recipe,
                     box_size,
-                    ..
+                    pose,
                 } => {
-                    let project = configured(spec, project, recipe, box_size);
-                    self.expose(now, spec, Owner::Vision(job_id), project, score, events);
+                    let owner = Owner::Vision(job_id);
+                    if let Some(engine) = self.path_engines.get(&project) {
+                        let run = StepRun {
+                            owner,
+                            engine: engine.clone(),
+                            start: start_of(spec, &pose),
+                            box_sizes: box_size.map(|size| (project, size)).into_iter().collect(),
+                            recipes: recipe.map(|recipe| (project, recipe)).into_iter().collect(),
+                            picture: None,
+                            taken: BTreeSet::new(),
+                        };
+                        self.begin(now, spec, run, score, events);
+                    } else {
+                        let project = configured(spec, project, recipe, box_size);
+                        self.expose(now, spec, owner, project, score, events);
+                    }
                 }
                 Job::StartViz {
                     job_id,
@@ -194,16 +218,16 @@ impl VisionSide {
                     recipes,
                 } => {
                     let home = JointPositions::zeros(spec.arm.joint_count());
-                    self.viz = Some(VizRun {
-                        job_id,
+                    let run = StepRun {
+                        owner: Owner::Viz(job_id),
+                        engine: self.engine.clone(),
                         start: start.unwrap_or(home),
                         box_sizes,
                         recipes,
                         picture: None,
-                        branch_told: false,
-                    });
-                    let ask = self.engine.start();
-                    self.follow(now, spec, ask, score, events);
+                        taken: BTreeSet::new(),
+                    };
+                    self.begin(now, spec, run, score, events);
                 }
                 Job::StopViz { job_id } => self.stop_viz(job_id),
                 // The workflow has no step yet that takes one of these, and the settings register none:
@@ -216,104 +240,205 @@ impl VisionSide {
                 | Job::SwitchSolution { .. }
                 | Job::CaptureCalibration { .. } => {}
                 Job::SetBranch { job_id, exit, .. } => {
-                    if self.viz.as_ref().is_some_and(|run| run.job_id == job_id) {
-                        let ask = self.engine.branch(exit);
-                        self.follow(now, spec, ask, score, events);
+                    let owner = Owner::Viz(job_id);
+                    if let Some(run) = self.run_of(owner) {
+                        let ask = run.engine.branch(exit);
+                        self.follow(now, spec, owner, ask, score, events);
                     }
                 }
             }
         }
     }
 
+    fn run_of(&mut self, owner: Owner) -> Option<&mut StepRun> {
+        self.runs.iter_mut().find(|run| run.owner == owner)
+    }
+
+    fn begin(
+        &mut self,
+        now: SimTime,
+        spec: &CellSpec,
+        mut run: StepRun,
+        score: &mut Score,
+        events: &mut Vec<EventKind>,
+    ) {
+        let (owner, ask) = (run.owner, run.engine.start());
+        self.runs.push(run);
+        self.follow(now, spec, owner, ask, score, events);
+    }
+
+    fn end(&mut self, owner: Owner) -> Option<StepRun> {
+        let place = self.runs.iter().position(|run| run.owner == owner)?;
+        Some(self.runs.remove(place))
+    }
+
     fn stop_viz(&mut self, job_id: JobId) {
-        if self.viz.as_ref().is_some_and(|run| run.job_id == job_id) {
-            self.viz = None;
-            self.engine.stop();
+        let stopped = Owner::Viz(job_id);
+        if self.end(stopped).is_some() {
             self.work.retain(|(_, work)| match work {
                 Work::Exposure { owner, .. }
                 | Work::Poses { owner, .. }
-                | Work::Computing { owner, .. } => *owner != Owner::Viz(job_id),
-                Work::Path { job_id: other, .. } => *other != job_id,
+                | Work::Computing { owner, .. }
+                | Work::Path { owner, .. } => *owner != stopped,
             });
         }
     }
 
-    /// Does what the engine asks for until it has to wait.
+    /// Does what a run's engine asks for until it has to wait.
     fn follow(
         &mut self,
         now: SimTime,
         spec: &CellSpec,
-        ask: Ask<PlannedPick>,
+        owner: Owner,
+        mut ask: Ask<PlannedPick>,
         score: &mut Score,
         events: &mut Vec<EventKind>,
     ) {
-        let Some(run) = &mut self.viz else {
+        let (picks_planned, stopwatch) = (self.picks_planned, self.stopwatch);
+        let elsewhere = self.elsewhere.clone();
+        loop {
+            let Some(run) = self.run_of(owner) else {
+                return;
+            };
+            ask = match ask {
+                Ask::Recognise {
+                    may_reuse: true, ..
+                } if run.picture.is_some() => {
+                    let seen = run.picture.as_ref().map_or(0, |p| p.detection.boxes.len());
+                    let status = Status::VizNoVisionResult.code();
+                    let is_left = run.taken.len() < seen;
+                    run.engine.recognised(is_left.then_some(()).ok_or(status))
+                }
+                Ask::Recognise { project, .. } => {
+                    let value_of = |list: &[(i32, i32)]| {
+                        list.iter().find(|(id, _)| *id == project).map(|(_, v)| *v)
+                    };
+                    let recipe = value_of(&run.recipes);
+                    let size = run
+                        .box_sizes
+                        .iter()
+                        .find(|(id, _)| *id == project)
+                        .map(|(_, size)| *size);
+                    let project = configured(spec, project, recipe, size);
+                    return self.expose(now, spec, owner, project, score, events);
+                }
+                Ask::PlanPick { pick, place } => {
+                    let Some(picture) = &run.picture else {
+                        return;
+                    };
+                    let planned = match end_of(spec, &run.start, run.engine.pieces()) {
+                        Ok(start) if let Some(elsewhere) = &elsewhere => {
+                            let (picture, taken) = (picture.clone(), run.taken.clone());
+                            let result = elsewhere.compute(move |spec, score, events| {
+                                let situation = Situation {
+                                    picture: &picture,
+                                    taken: &taken,
+                                    start,
+                                    picked_before: picks_planned,
+                                };
+                                let planned =
+                                    plan(spec, &situation, &pick, place, stopwatch, score, events);
+                                Work::Path { owner, planned }
+                            });
+                            let due = (now + spec.latencies.planning).max(now + TICK);
+                            self.work.push((due, Work::Computing { owner, result }));
+                            return;
+                        }
+                        Ok(start) => {
+                            let situation = Situation {
+                                picture,
+                                taken: &run.taken,
+                                start,
+                                picked_before: picks_planned,
+                            };
+                            plan(spec, &situation, &pick, place, stopwatch, score, events)
+                        }
+                        Err(status) => Planned::Refused {
+                            status,
+                            reason: FailureReason::IkUnreachable,
+                        },
+                    };
+                    let due = now + spec.latencies.planning;
+                    self.work.push((due, Work::Path { owner, planned }));
+                    return;
+                }
+                Ask::WaitBranch { step, .. } => {
+                    if let Owner::Viz(job_id) = owner {
+                        self.server.viz_waiting_at_branch(now, job_id, step);
+                    }
+                    return;
+                }
+                Ask::Notify { step, message } => {
+                    events.push(EventKind::Message {
+                        text: format!("step {step} notifies {message}"),
+                    });
+                    run.engine.notified()
+                }
+                Ask::Done(pieces) => return self.finish(now, spec, owner, &pieces),
+                Ask::Failed(failure) => {
+                    let status =
+                        Status::from_code(failure.status_code()).unwrap_or(Status::VizRuntimeError);
+                    return self.refuse(now, owner, status);
+                }
+            };
+        }
+    }
+
+    /// Hands a run's path to the server.
+    fn finish(
+        &mut self,
+        now: SimTime,
+        spec: &CellSpec,
+        owner: Owner,
+        pieces: &[Piece<PlannedPick>],
+    ) {
+        let Some(run) = self.run_of(owner) else {
             return;
         };
-        let job_id = run.job_id;
-        match ask {
-            Ask::Recognise { project, .. } => {
-                let value_of = |list: &[(i32, i32)]| {
-                    list.iter().find(|(id, _)| *id == project).map(|(_, v)| *v)
-                };
-                let recipe = value_of(&run.recipes);
-                let size = run
-                    .box_sizes
-                    .iter()
-                    .find(|(id, _)| *id == project)
-                    .map(|(_, size)| *size);
-                let project = configured(spec, project, recipe, size);
-                self.expose(now, spec, Owner::Viz(job_id), project, score, events);
+        let Joined {
+            points,
+            rounds,
+            carton,
+        } = match join(spec, &run.start, pieces) {
+            Ok(joined) => joined,
+            Err(status) => {
+                self.last_failure = Some(FailureReason::IkUnreachable);
+                return self.refuse(now, owner, status);
             }
-            Ask::PlanPick { .. } => {
-                let Some(picture) = &run.picture else {
-                    return;
-                };
-                if let Some(elsewhere) = &self.elsewhere {
-                    let (picture, start) = (picture.clone(), run.start);
-                    let (picked, stopwatch) = (self.picks_planned, self.stopwatch);
-                    let result = elsewhere.compute(move |spec, score, events| {
-                        let planned = plan(spec, &picture, start, picked, stopwatch, score, events);
-                        Work::Path { job_id, planned }
-                    });
-                    let owner = Owner::Viz(job_id);
-                    let due = (now + spec.latencies.planning).max(now + TICK);
-                    self.work.push((due, Work::Computing { owner, result }));
-                    return;
-                }
-                let planned = plan(
-                    spec,
-                    picture,
-                    run.start,
-                    self.picks_planned,
-                    self.stopwatch,
-                    score,
-                    events,
-                );
-                let due = now + spec.latencies.planning;
-                self.work.push((due, Work::Path { job_id, planned }));
-            }
-            Ask::WaitBranch { step, .. } => {
-                if !run.branch_told {
-                    run.branch_told = true;
-                    self.server.viz_waiting_at_branch(now, job_id, step);
-                }
-            }
-            Ask::Done(pieces) => {
-                let (path, carton) = join(spec, pieces);
-                if path.points.iter().any(|point| point.vision_move.is_some()) {
-                    self.picks_planned += 1;
+        };
+        let picks = points.iter().filter(|p| p.vision_move.is_some()).count();
+        let run = self.end(owner);
+        match owner {
+            Owner::Viz(job_id) => {
+                if picks > 0 {
+                    self.picks_planned += picks as i32;
                     self.last_failure = None;
                     self.target = carton;
                 }
-                self.viz = None;
+                let path = VizPath {
+                    points,
+                    digital_outputs: rounds.into_iter().next().unwrap_or_default(),
+                };
                 self.server.finish_viz(now, job_id, Ok(path));
             }
-            Ask::Failed(failure) => {
-                self.viz = None;
-                let status =
-                    Status::from_code(failure.status_code()).unwrap_or(Status::VizRuntimeError);
-                self.server.finish_viz(now, job_id, Err(status));
+            Owner::Vision(job_id) => {
+                // The server takes points from vision projects; the points of this path are the cartons that it picks.
+                let picture = run.and_then(|run| run.picture);
+                let points = picture.map(|picture| vision_points(&picture));
+                self.server
+                    .finish_vision(now, job_id, Ok(points.unwrap_or_default()));
+            }
+        }
+    }
+
+    /// Ends a run without a path.
+    fn refuse(&mut self, now: SimTime, owner: Owner, status: Status) {
+        self.end(owner);
+        match owner {
+            Owner::Viz(job_id) => self.server.finish_viz(now, job_id, Err(status)),
+            Owner::Vision(job_id) => {
+                self.server
+                    .finish_vision(now, job_id, Err(seen_from_vision(status)));
             }
         }
     }
@@ -439,24 +564,24 @@ impl VisionSide {
                 Work::Poses { owner, picture } => {
                     self.hand_over(now, spec, owner, picture, score, events);
                 }
-                Work::Path { job_id, planned } => {
-                    if self.viz.as_ref().is_none_or(|run| run.job_id != job_id) {
+                Work::Path { owner, planned } => {
+                    let Some(run) = self.run_of(owner) else {
                         continue;
-                    }
+                    };
+                    let mut refused = None;
                     let outcome = match planned {
-                        Planned::Path { path, detection } => {
-                            let run = self.viz.as_ref();
-                            let picture = run.and_then(|run| run.picture.as_ref());
-                            let carton = picture.and_then(|picture| picture.cartons[detection]);
-                            Ok(PlannedPick { path, carton })
+                        Planned::Path(pick) => {
+                            run.taken.extend(&pick.detections);
+                            Ok(pick)
                         }
                         Planned::Refused { status, reason } => {
-                            self.last_failure = Some(reason);
+                            refused = Some(reason);
                             Err(status.code())
                         }
                     };
-                    let ask = self.engine.planned(outcome);
-                    self.follow(now, spec, ask, score, events);
+                    let ask = run.engine.planned(outcome);
+                    self.last_failure = refused.or(self.last_failure);
+                    self.follow(now, spec, owner, ask, score, events);
                 }
             }
         }
@@ -476,38 +601,58 @@ impl VisionSide {
         if is_empty {
             self.last_failure = Some(FailureReason::NoDetection);
         }
-        match owner {
-            Owner::Vision(job_id) => {
-                let outcome = if is_blind {
-                    Err(Status::NoPointsInRegion)
-                } else {
-                    let points = picture.detection.boxes.iter().zip(&picture.base_from_boxes);
-                    Ok(points
-                        .map(|(found, base_from_object)| VisionPoint {
-                            base_from_object: *base_from_object,
-                            label: found.label as i32,
-                        })
-                        .collect())
-                };
-                self.server.finish_vision(now, job_id, outcome);
-            }
-            Owner::Viz(job_id) => {
-                let Some(run) = self.viz.as_mut().filter(|run| run.job_id == job_id) else {
-                    return;
-                };
-                run.picture = Some(picture);
-                let outcome = if is_blind {
-                    Err(Status::VizNoPointsInRegion.code())
-                } else if is_empty {
-                    Err(Status::VizNoVisionResult.code())
-                } else {
-                    Ok(())
-                };
-                let ask = self.engine.recognised(outcome);
-                self.follow(now, spec, ask, score, events);
-            }
+        if let Some(run) = self.run_of(owner) {
+            run.picture = Some(picture);
+            run.taken.clear();
+            let outcome = if is_blind {
+                Err(Status::VizNoPointsInRegion.code())
+            } else if is_empty {
+                Err(Status::VizNoVisionResult.code())
+            } else {
+                Ok(())
+            };
+            let ask = run.engine.recognised(outcome);
+            self.follow(now, spec, owner, ask, score, events);
+        } else if let Owner::Vision(job_id) = owner {
+            let outcome = if is_blind {
+                Err(Status::NoPointsInRegion)
+            } else {
+                Ok(vision_points(&picture))
+            };
+            self.server.finish_vision(now, job_id, outcome);
         }
     }
+}
+
+fn vision_points(picture: &Picture) -> Vec<VisionPoint> {
+    let points = picture.detection.boxes.iter().zip(&picture.base_from_boxes);
+    points
+        .map(|(found, base_from_object)| VisionPoint {
+            base_from_object: *base_from_object,
+            label: found.label as i32,
+        })
+        .collect()
+}
+
+/// Where a path of a vision project starts: where the robot says it is, or the planner's home.
+fn start_of(spec: &CellSpec, pose: &RobotPose) -> JointPositions {
+    match pose {
+        RobotPose::PathStart(joints)
+        | RobotPose::Current {
+            joints: Some(joints),
+            ..
+        } => *joints,
+        _ => JointPositions::zeros(spec.arm.joint_count()),
+    }
+}
+
+/// What a vision project reports where the planning project reports this.
+fn seen_from_vision(status: Status) -> Status {
+    let codes = Status::ALL.iter().copied();
+    codes
+        .filter(|code| (1001..1100).contains(&code.code()) && *code != Status::VisionTimeout)
+        .find(|code| code.seen_from_viz() == status)
+        .unwrap_or(Status::PathPlanningError)
 }
 
 /// A project as recipe (103) and box size (501) leave it: the size wins.
@@ -529,33 +674,4 @@ fn configured(
         project.settings.sizes = vec![size];
     }
     project
-}
-
-/// The pieces of a run as one path, and the carton it aims at.
-fn join(spec: &CellSpec, pieces: Vec<Piece<PlannedPick>>) -> (VizPath, Option<u32>) {
-    let mut joined = VizPath::default();
-    let mut carton = None;
-    for piece in pieces {
-        match piece {
-            Piece::Fixed { point, .. } => joined.points.push(PathPoint {
-                joints: point.joints,
-                base_from_tcp: spec.arm.base_from_flange(&point.joints)
-                    * spec.gripper.flange_from_tcp,
-                motion: match point.motion {
-                    MoveMotion::Joint => Motion::Joint,
-                    MoveMotion::Linear => Motion::Linear,
-                },
-                tool: crate::planning::TOOL,
-                velocity_percent: point.velocity_percent,
-                label: 0,
-                vision_move: None,
-            }),
-            Piece::Planned { plan, .. } => {
-                joined.points.extend(plan.path.points);
-                joined.digital_outputs.extend(plan.path.digital_outputs);
-                carton = plan.carton.or(carton);
-            }
-        }
-    }
-    (joined, carton)
 }

@@ -6,7 +6,7 @@ use depal_time::{RandomStream, RandomStreams};
 
 use crate::rules::Span;
 use crate::scene::Scene;
-use crate::stack::{Cartons, PalletAxis};
+use crate::stack::{Cartons, PalletAxis, Pattern};
 
 /// One carton at the start. Its frame: X along the long side, Z up, origin in the middle of the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,28 +19,22 @@ pub struct CartonPlacement {
     pub world_from_carton: Pose,
     /// Layer, 0 at the bottom.
     pub layer: u32,
-    /// Place in the layer: column along the pallet's X, row along its Y.
+    /// Place in the layer: column along the pallet's X, row along its Y; for one that lies alone its place in the list.
     pub cell: [u32; 2],
 }
 
-impl Cartons {
-    /// Size of a tidy layer without gaps, along the pallet's X and Y, mm.
-    pub(crate) fn footprint_mm(&self) -> [f64; 2] {
-        let [x, y] = self.sides_mm();
-        [
-            x * f64::from(self.pattern.columns),
-            y * f64::from(self.pattern.rows),
-        ]
-    }
+/// Size of a tidy layer without gaps, along the pallet's X and Y, mm.
+pub(crate) fn footprint_mm(cartons: &Cartons, pattern: &Pattern) -> [f64; 2] {
+    let [x, y] = sides_mm(cartons, pattern);
+    [x * f64::from(pattern.columns), y * f64::from(pattern.rows)]
+}
 
-    /// A carton's extent along the pallet's X and Y, mm, before it is turned.
-    fn sides_mm(&self) -> [f64; 2] {
-        let long = self.size_mm[0].max(self.size_mm[1]);
-        let short = self.size_mm[0].min(self.size_mm[1]);
-        match self.pattern.long_side {
-            PalletAxis::X => [long, short],
-            PalletAxis::Y => [short, long],
-        }
+/// A carton's extent along the pallet's X and Y, mm, before it is turned.
+fn sides_mm(cartons: &Cartons, pattern: &Pattern) -> [f64; 2] {
+    let [long, short] = cartons.long_and_short_mm();
+    match pattern.long_side {
+        PalletAxis::X => [long, short],
+        PalletAxis::Y => [short, long],
     }
 }
 
@@ -63,29 +57,51 @@ pub fn carton_layout(scene: &Scene, streams: RandomStreams) -> Vec<CartonPlaceme
         Translation3::from(Vector::from(scene.pallet.xyz_mm) * 1e-3),
         Rotation::from_axis_angle(&Vector::z_axis(), scene.pallet.yaw_deg.to_radians()),
     );
-    let side_turn = match cartons.pattern.long_side {
-        PalletAxis::X => 0.0,
-        PalletAxis::Y => std::f64::consts::FRAC_PI_2,
-    };
     let mut placements = Vec::with_capacity(total);
-    for layer in 0..cartons.layers {
-        let height_mm = scene.pallet.size_mm[2] + cartons.size_mm[2] * (f64::from(layer) + 0.5);
-        for cell in lay_layer(scene, &mut random) {
-            let mass_kg = random
-                .mass
-                .uniform(cartons.mass_kg.min, cartons.mass_kg.max);
-            let pallet_from_carton = Pose::from_parts(
-                Translation3::new(cell.x_mm * 1e-3, cell.y_mm * 1e-3, height_mm * 1e-3),
-                Rotation::from_axis_angle(&Vector::z_axis(), side_turn + cell.yaw),
-            );
-            placements.push(CartonPlacement {
-                size,
-                mass_kg,
-                world_from_carton: world_from_pallet * pallet_from_carton,
-                layer,
-                cell: cell.at,
-            });
+    if let Some((layers, pattern)) = cartons.stack() {
+        let side_turn = match pattern.long_side {
+            PalletAxis::X => 0.0,
+            PalletAxis::Y => std::f64::consts::FRAC_PI_2,
+        };
+        for layer in 0..layers {
+            let height_mm = scene.pallet.size_mm[2] + cartons.size_mm[2] * (f64::from(layer) + 0.5);
+            for cell in lay_layer(scene, pattern, &mut random) {
+                let mass_kg = random
+                    .mass
+                    .uniform(cartons.mass_kg.min, cartons.mass_kg.max);
+                let pallet_from_carton = Pose::from_parts(
+                    Translation3::new(cell.x_mm * 1e-3, cell.y_mm * 1e-3, height_mm * 1e-3),
+                    Rotation::from_axis_angle(&Vector::z_axis(), side_turn + cell.yaw),
+                );
+                placements.push(CartonPlacement {
+                    size,
+                    mass_kg,
+                    world_from_carton: world_from_pallet * pallet_from_carton,
+                    layer,
+                    cell: cell.at,
+                });
+            }
         }
+    }
+    let height_mm = scene.pallet.xyz_mm[2] + scene.pallet.size_mm[2] + 0.5 * cartons.size_mm[2];
+    for (position, place) in (0..).zip(&cartons.at) {
+        let mass_kg = random
+            .mass
+            .uniform(cartons.mass_kg.min, cartons.mass_kg.max);
+        placements.push(CartonPlacement {
+            size,
+            mass_kg,
+            world_from_carton: Pose::from_parts(
+                Translation3::new(
+                    place.xy_mm[0] * 1e-3,
+                    place.xy_mm[1] * 1e-3,
+                    height_mm * 1e-3,
+                ),
+                Rotation::from_axis_angle(&Vector::z_axis(), place.yaw_deg.to_radians()),
+            ),
+            layer: 0,
+            cell: [position, 0],
+        });
     }
     placements.truncate(total);
     placements
@@ -115,12 +131,11 @@ struct Slack {
     up: f64,
 }
 
-fn lay_layer(scene: &Scene, random: &mut Draws) -> Vec<Cell> {
-    let pattern = &scene.cartons.pattern;
+fn lay_layer(scene: &Scene, pattern: &Pattern, random: &mut Draws) -> Vec<Cell> {
     let gap = scene.randomize.gap_mm;
     let most_shift = scene.randomize.shift_mm;
     let yaw_limit = scene.randomize.yaw_deg.to_radians();
-    let [half_x, half_y] = scene.cartons.sides_mm().map(|side| side / 2.0);
+    let [half_x, half_y] = sides_mm(&scene.cartons, pattern).map(|side| side / 2.0);
     let (columns, rows) = (pattern.columns as usize, pattern.rows as usize);
 
     let mut cells: Vec<Cell> = (0..columns * rows)

@@ -20,7 +20,7 @@
 //! Units stand in the keys (`_mm`, `_deg`, `_kg`, `_s`, `_kpa`) and in the fields of the same names;
 //! poses and placements that are computed here are SI. The world has Z up and its origin on the floor.
 //!
-//! Limitations: one pallet, one carton size, one camera, one arm, one gripper.
+//! Limitations: one pallet or platform, one carton size, one camera, one arm, one gripper.
 
 mod build;
 mod camera;
@@ -54,13 +54,16 @@ pub use robot::{Robot, Signal, SignalKind};
 pub use rules::Span;
 pub use run::{Accept, Planner, Run};
 pub use scene::{Scene, json_schema};
-pub use stack::{Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize};
+pub use stack::{
+    CartonPlace, Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize, SupportForm,
+};
 pub use text_file::TextFile;
-pub use vision::{ProjectOutput, Recipe, Vision, VisionProject};
+pub use vision::{CustomPort, ProjectOutput, Recipe, Vision, VisionProject};
 pub use viz::{
-    BranchByMsg, ExternalMove, FixedPointMove, MoveByList, MoveFrame, Notify, PalletPattern,
-    PickStrategy, PlacePattern, RelativeMove, SetDigitalOutput, VisionMove, VisualRecognition, Viz,
-    VizAction, VizStep,
+    BranchByMsg, CustomPalletPattern, ExternalMove, FixedPointMove, MoveByGrid, MoveByList,
+    MoveFrame, MoveReference, Notify, PalletPattern, PatternPlace, PickStrategy, PlacePattern,
+    PredefinedPalletPattern, RelativeMove, SetDigitalOutput, StepMotion, VisionMove,
+    VisualRecognition, Viz, VizAction, VizStep,
 };
 
 #[cfg(test)]

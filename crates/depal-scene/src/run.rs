@@ -1,7 +1,7 @@
 //! Planning settings, the limits of a run and what makes it accepted.
 
 use crate::reader::section;
-use crate::rules::{Maybe, Number, SHARE, above, number, whole};
+use crate::rules::{Flag, Maybe, Number, SHARE, above, number, whole};
 
 const COUNT: Number = number(0.0, 1e9);
 
@@ -38,6 +38,9 @@ section! {
         /// Simulated time after which a run is stopped, s.
         /// Default 1200: 48 cartons at 144 in an hour.
         max_sim_s: f64, above(0.0, 1e6), default(1200.0);
+        /// Whether the program may end while cartons are left.
+        /// Default false: a pallet is to be emptied.
+        may_leave_cartons: bool, Flag, default(false);
     }
 }
 

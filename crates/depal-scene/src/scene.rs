@@ -6,6 +6,7 @@ use serde_json::{Value as Json, json};
 use crate::camera::Camera;
 use crate::gripper::Gripper;
 use crate::interface::{Interface, Latency};
+use crate::layout::footprint_mm;
 use crate::reader::{Checker, Section as _, section};
 use crate::robot::{Robot, SignalKind};
 use crate::rules::{Maybe, Text, table, whole};
@@ -154,10 +155,15 @@ fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
             );
         }
     }
-    let footprint = scene.cartons.footprint_mm();
+    let footprint = scene
+        .cartons
+        .stack()
+        .map(|(_, pattern)| footprint_mm(&scene.cartons, pattern));
     for (axis, name) in ["X", "Y"].into_iter().enumerate() {
         let room = scene.pallet.size_mm[axis] + 200.0;
-        if footprint[axis] > room {
+        if let Some(footprint) = footprint
+            && footprint[axis] > room
+        {
             checker.problem(
                 "cartons.pattern",
                 format!(
@@ -169,6 +175,7 @@ fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
             );
         }
     }
+    check_support(scene, checker);
     let most = f64::from(scene.cartons.total());
     if let Some(least) = scene.accept.delivered_min
         && least > most
@@ -178,5 +185,25 @@ fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
             format!("expected at most the {most} cartons of the pallet, found {least}"),
             None,
         );
+    }
+}
+
+/// The middle of every carton that lies alone must be on the pallet.
+fn check_support(scene: &Scene, checker: &mut Checker<'_, '_>) {
+    let pallet = &scene.pallet;
+    let (sin, cos) = pallet.yaw_deg.to_radians().sin_cos();
+    for place in &scene.cartons.at {
+        let [x, y] = [0, 1].map(|axis| place.xy_mm[axis] - pallet.xyz_mm[axis]);
+        let on_pallet = [cos * x + sin * y, cos * y - sin * x];
+        if (0..2).any(|axis| on_pallet[axis].abs() > 0.5 * pallet.size_mm[axis]) {
+            checker.problem(
+                "cartons.at",
+                format!(
+                    "expected cartons on the pallet, found {:?} beside it",
+                    place.xy_mm
+                ),
+                None,
+            );
+        }
     }
 }

@@ -4,16 +4,30 @@ use crate::choice::{choice, one_of};
 use crate::reader::{Checker, section};
 use crate::rules::above;
 use crate::rules::{
-    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, Maybe, Number, Numbers, Span, SpanOf, number, table, whole,
+    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, ListOf, Maybe, Number, Numbers, Span, SpanOf, number,
+    table, whole,
 };
 
 /// Friction from ice to rubber.
 const FRICTION: Number = number(0.0, 2.0);
 const MASS_KG: Number = above(0.0, 1000.0);
 
+choice! {
+    /// What the cartons stand on.
+    pub enum SupportForm {
+        /// A pallet of boards.
+        Boards = "boards",
+        /// A fixed platform: one solid block.
+        Block = "block",
+    }
+}
+
 section! {
-    /// The pallet that is emptied.
+    /// The pallet that is emptied, or a fixed platform in its place.
     pub struct Pallet {
+        /// What it is made of.
+        /// Default boards: a wooden pallet; block is a fixed platform.
+        form: SupportForm, one_of(), default(SupportForm::Boards);
         /// Centre of its footprint on the floor, in the world, mm.
         xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
         /// Turn about the world's Z, degrees, counter-clockwise seen from above.
@@ -52,14 +66,30 @@ section! {
 }
 
 section! {
-    /// The cartons: all of one size, stacked in equal layers.
+    /// Where one carton lies on the pallet or platform.
+    pub struct CartonPlace {
+        /// Middle of the carton in the world, mm.
+        xy_mm: [f64; 2], Numbers::<2>(COORDINATE_MM), required;
+        /// Where its long side points, degrees from the world's X, counter-clockwise seen from above.
+        /// Default 0: along the world's X.
+        yaw_deg: f64, ANGLE_DEG, default(0.0);
+    }
+}
+
+section! {
+    /// The cartons: all of one size, stacked in equal layers or lying one by one.
     pub struct Cartons {
         /// Two sides of the top face, in either order, and the height, mm.
         size_mm: [f64; 3], Numbers::<3>(LENGTH_MM), required;
-        /// Number of layers.
-        layers: u32, whole(1, 30), required;
+        /// Number of layers. With `pattern`, or `at` instead of both.
+        /// Default: none, the cartons lie one by one.
+        layers: Option<u32>, Maybe(whole(1, 30)), default(None);
         /// How a layer is laid.
-        pattern: Pattern, table(), section;
+        /// Default: none, the cartons lie one by one.
+        pattern: Option<Pattern>, Maybe(table()), default(None);
+        /// Cartons that lie one by one; nothing about them is random but their mass.
+        /// Default: none, the cartons are stacked.
+        at: Vec<CartonPlace>, ListOf(table(), 0, 500), default(Vec::new());
         /// Number of cartons; the last ones of the top layer are left out.
         /// Default: columns x rows x layers.
         count: Option<u32>, Maybe(whole(1, 12_000)), default(None);
@@ -74,16 +104,57 @@ section! {
 }
 
 impl Cartons {
-    /// Number of cartons on the full pallet.
+    /// The stack: number of layers and how one is laid; none if the cartons lie one by one.
+    pub fn stack(&self) -> Option<(u32, &Pattern)> {
+        Some((self.layers?, self.pattern.as_ref()?))
+    }
+
+    /// Number of cartons at the start.
     pub fn total(&self) -> u32 {
-        self.count
-            .unwrap_or(self.pattern.columns * self.pattern.rows * self.layers)
+        let stacked = self.stack().map_or(0, |(layers, pattern)| {
+            self.count
+                .unwrap_or(pattern.columns * pattern.rows * layers)
+        });
+        stacked + self.at.len() as u32
+    }
+
+    /// Longer and shorter side of the top face, mm.
+    pub(crate) fn long_and_short_mm(&self) -> [f64; 2] {
+        let [a, b, _] = self.size_mm;
+        [a.max(b), a.min(b)]
     }
 }
 
 fn check_cartons(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
-    let per_layer = cartons.pattern.columns * cartons.pattern.rows;
-    let most = per_layer * cartons.layers;
+    let Some((layers, pattern)) = cartons.stack() else {
+        if cartons.at.is_empty() {
+            for (key, is_missing) in [
+                ("layers", cartons.layers.is_none()),
+                ("pattern", cartons.pattern.is_none()),
+            ] {
+                if is_missing {
+                    checker.problem(key, "missing key".to_owned(), Some("or give at = [...]"));
+                }
+            }
+        } else if cartons.layers.is_some() || cartons.pattern.is_some() || cartons.count.is_some() {
+            checker.problem(
+                "at",
+                "expected either a stack (layers, pattern, count) or at, found both".to_owned(),
+                None,
+            );
+        }
+        check_apart(cartons, checker);
+        return;
+    };
+    if !cartons.at.is_empty() {
+        checker.problem(
+            "at",
+            "expected either a stack (layers, pattern, count) or at, found both".to_owned(),
+            None,
+        );
+    }
+    let per_layer = pattern.columns * pattern.rows;
+    let most = per_layer * layers;
     let least = most - per_layer + 1;
     if let Some(count) = cartons.count
         && !(least..=most).contains(&count)
@@ -92,11 +163,43 @@ fn check_cartons(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
             "count",
             format!(
                 "expected {least} to {most} ({} x {} cartons in each of {} layers), found {count}",
-                cartons.pattern.columns, cartons.pattern.rows, cartons.layers
+                pattern.columns, pattern.rows, layers
             ),
             Some("change layers for a lower stack"),
         );
     }
+}
+
+/// Cartons that lie one by one must not lie in one another.
+fn check_apart(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
+    for (position, place) in cartons.at.iter().enumerate() {
+        let overlapped = cartons.at[..position]
+            .iter()
+            .position(|other| overlap(cartons.long_and_short_mm(), place, other));
+        if let Some(other) = overlapped {
+            checker.problem(
+                "at",
+                format!("expected cartons apart from each other, found {other} and {position} in one place"),
+                None,
+            );
+        }
+    }
+}
+
+/// Whether two turned rectangles share area: no side of either separates them.
+fn overlap([long, short]: [f64; 2], a: &CartonPlace, b: &CartonPlace) -> bool {
+    let axes = |place: &CartonPlace| {
+        let (sin, cos) = place.yaw_deg.to_radians().sin_cos();
+        [[cos, sin], [-sin, cos]]
+    };
+    let apart = [b.xy_mm[0] - a.xy_mm[0], b.xy_mm[1] - a.xy_mm[1]];
+    let along = |u: [f64; 2], v: [f64; 2]| u[0] * v[0] + u[1] * v[1];
+    let reach = |place: &CartonPlace, axis: [f64; 2]| {
+        let [x, y] = axes(place);
+        0.5 * (long * along(x, axis).abs() + short * along(y, axis).abs())
+    };
+    let separates = |axis: [f64; 2]| along(apart, axis).abs() >= reach(a, axis) + reach(b, axis);
+    !axes(a).into_iter().chain(axes(b)).any(separates)
 }
 
 section! {

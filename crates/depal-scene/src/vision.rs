@@ -3,8 +3,12 @@
 use crate::choice::{choice, one_of};
 use crate::reader::{Checker, section};
 use crate::rules::{
-    COORDINATE_MM, LENGTH_MM, ListOf, Maybe, Numbers, OneOrMore, Text, table, whole,
+    COORDINATE_MM, Flag, LENGTH_MM, ListOf, Maybe, Number, Numbers, OneOrMore, Text, above, number,
+    table, whole,
 };
+
+/// A number of a project's own; the wire carries single precision.
+const DATUM: Number = number(-1e9, 1e9);
 
 choice! {
     /// What a vision project answers with.
@@ -29,6 +33,27 @@ section! {
 }
 
 section! {
+    /// Data of a project's own under a name.
+    pub struct CustomPort {
+        /// Name: ports go out in alphabetical order.
+        name: String, Text, required;
+        /// The same numbers with every point. Either this or `rows`.
+        /// Default: none.
+        row: Vec<f64>, ListOf(DATUM, 0, 50), default(Vec::new());
+        /// A row of numbers for each point.
+        /// Default: none.
+        rows: Vec<Vec<f64>>, ListOf(ListOf(DATUM, 1, 50), 0, 500), default(Vec::new());
+    }
+    check check_port;
+}
+
+fn check_port(port: &CustomPort, checker: &mut Checker<'_, '_>) {
+    if port.row.is_empty() == port.rows.is_empty() {
+        checker.problem("row", "expected either row or rows".to_owned(), None);
+    }
+}
+
+section! {
     /// One vision project.
     pub struct VisionProject {
         /// Number that the robot sends.
@@ -47,6 +72,15 @@ section! {
         /// Size of that box along the world's axes, mm.
         /// Default: see `region_xyz_mm`.
         region_size_mm: Option<[f64; 3]>, Maybe(Numbers::<3>(LENGTH_MM)), default(None);
+        /// With output custom: the data that go out with each point.
+        /// Default: none.
+        port: Vec<CustomPort>, ListOf(table(), 0, 20), default(Vec::new());
+        /// With output path: velocity of its moves, percent.
+        /// Default 100: the planner's own limits hold.
+        velocity_percent: f64, above(0.0, 100.0), default(100.0);
+        /// With output path: pick and place every carton that was found, one after another.
+        /// Default false: one pick.
+        plan_all_vision_results: bool, Flag, default(false);
         /// What a command can switch it to.
         /// Default: nothing to switch to.
         recipes: Vec<Recipe>, ListOf(table(), 0, 99), default(Vec::new());
@@ -65,6 +99,13 @@ section! {
 fn check_vision(vision: &Vision, checker: &mut Checker<'_, '_>) {
     for (position, project) in vision.project.iter().enumerate() {
         let id = project.id;
+        if (project.output == ProjectOutput::Custom) == project.port.is_empty() {
+            checker.problem(
+                "project",
+                format!("expected ports with output custom and none with another, found otherwise in project {id}"),
+                None,
+            );
+        }
         if vision.project[..position]
             .iter()
             .any(|earlier| earlier.id == id)

@@ -5,7 +5,35 @@ use serde_json::{Map, Value as Json, json};
 use crate::choice::{choice, one_of};
 use crate::document::{Node, Place, Table, Value};
 use crate::reader::{Checker, Reader, Rule, Section, join, nearest, section};
-use crate::rules::{ANGLE_DEG, COORDINATE_MM, Flag, ListOf, Numbers, Text, number, whole};
+use crate::rules::{
+    ANGLE_DEG, COORDINATE_MM, Flag, LENGTH_MM, ListOf, Maybe, Number, Numbers, Text, Wholes, above,
+    number, table, whole,
+};
+
+choice! {
+    /// How a move goes.
+    pub enum StepMotion {
+        /// All joints together.
+        Joint = "joint",
+        /// Straight line of the tool.
+        Linear = "linear",
+    }
+}
+
+choice! {
+    /// The waypoint that a relative move counts from.
+    pub enum MoveReference {
+        /// The one before.
+        Previous = "previous",
+        /// The one after.
+        Next = "next",
+    }
+}
+
+/// Velocity of a move before the project's own, percent.
+const VELOCITY: Number = above(0.0, 100.0);
+/// The speed that the planner's or taught move has by itself.
+const FULL: f64 = 100.0;
 
 choice! {
     /// How picks are chosen.
@@ -56,6 +84,9 @@ section! {
         /// Plan every carton that was found instead of the first one that can be reached.
         /// Default false: the picture is old after one pick.
         plan_all_vision_results: bool, Flag, default(false);
+        /// Velocity, percent, before the project's own.
+        /// Default 100: the project's own alone.
+        velocity_percent: f64, VELOCITY, default(FULL);
     }
 }
 
@@ -73,6 +104,12 @@ section! {
     pub struct FixedPointMove {
         /// Joint angles, degrees, in the order of the URDF.
         joints_deg: Vec<f64>, ListOf(number(-720.0, 720.0), 1, 8), required;
+        /// How it goes there.
+        /// Default joint: no line to keep.
+        motion: StepMotion, one_of(), default(StepMotion::Joint);
+        /// Velocity, percent, before the project's own.
+        /// Default 100: the project's own alone.
+        velocity_percent: f64, VELOCITY, default(FULL);
     }
 }
 
@@ -87,6 +124,15 @@ section! {
         /// Frame of the offset.
         /// Default base: up stays up whatever the tool does.
         frame: MoveFrame, one_of(), default(MoveFrame::Base);
+        /// The waypoint that it counts from.
+        /// Default previous: next is for an approach.
+        relative_to: MoveReference, one_of(), default(MoveReference::Previous);
+        /// How it goes there.
+        /// Default linear: along the offset.
+        motion: StepMotion, one_of(), default(StepMotion::Linear);
+        /// Velocity, percent, before the project's own.
+        /// Default 100: the project's own alone.
+        velocity_percent: f64, VELOCITY, default(FULL);
     }
 }
 
@@ -95,6 +141,86 @@ section! {
     pub struct MoveByList {
         /// The list, each in degrees in the order of the URDF.
         joints_deg: Vec<Vec<f64>>, ListOf(ListOf(number(-720.0, 720.0), 1, 8), 1, 500), required;
+        /// How it goes there.
+        /// Default joint: no line to keep.
+        motion: StepMotion, one_of(), default(StepMotion::Joint);
+        /// Velocity, percent, before the project's own.
+        /// Default 100: the project's own alone.
+        velocity_percent: f64, VELOCITY, default(FULL);
+    }
+}
+
+section! {
+    /// Go to one pose of a grid, chosen by an index that the robot sends; it rises with every use.
+    pub struct MoveByGrid {
+        /// Tool position at index 0 in the robot base, mm.
+        base_xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
+        /// Roll, pitch and yaw of the tool in the robot base, degrees.
+        /// Default [180, 0, 0]: the tool looks down.
+        base_rpy_deg: [f64; 3], Numbers::<3>(ANGLE_DEG), default([180.0, 0.0, 0.0]);
+        /// Poses along the base's X, Y and Z, X counting fastest.
+        counts: [u32; 3], Wholes::<3>(whole(1, 1000)), required;
+        /// Distances along the base's X, Y and Z, mm.
+        offsets_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
+        /// How it goes there.
+        /// Default joint: no line to keep.
+        motion: StepMotion, one_of(), default(StepMotion::Joint);
+        /// Velocity, percent, before the project's own.
+        /// Default 100: the project's own alone.
+        velocity_percent: f64, VELOCITY, default(FULL);
+    }
+}
+
+section! {
+    /// A place of a pattern: where the middle of a carton's bottom goes.
+    pub struct PatternPlace {
+        /// In the robot base, mm.
+        xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
+        /// Where the long side points, degrees from the base's X.
+        /// Default 0: along the base's X.
+        yaw_deg: f64, ANGLE_DEG, default(0.0);
+    }
+}
+
+section! {
+    /// Place what is held at the next of a list of places.
+    pub struct CustomPalletPattern {
+        /// The places, in order.
+        places: Vec<PatternPlace>, ListOf(table(), 1, 500), required;
+        /// How it goes there.
+        /// Default linear: straight down from the move before.
+        motion: StepMotion, one_of(), default(StepMotion::Linear);
+        /// Velocity, percent, before the project's own.
+        /// Default 100: the project's own alone.
+        velocity_percent: f64, VELOCITY, default(FULL);
+    }
+}
+
+section! {
+    /// Place what is held at the next place of equal layers.
+    pub struct PredefinedPalletPattern {
+        /// Where the middle of the first carton's bottom goes, in the robot base, mm.
+        base_xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
+        /// Direction of the columns, degrees from the base's X.
+        /// Default 0: along the base's X.
+        base_yaw_deg: f64, ANGLE_DEG, default(0.0);
+        /// Rows of a layer.
+        rows: u32, whole(1, 100), required;
+        /// Columns of a layer.
+        columns: u32, whole(1, 100), required;
+        /// Layers.
+        layers: u32, whole(1, 100), required;
+        /// Distances from column to column, row to row and layer to layer, mm.
+        pitch_mm: [f64; 3], Numbers::<3>(LENGTH_MM), required;
+        /// Whether every second layer is turned by 90 degrees about its middle.
+        /// Default false: all layers alike.
+        alternating: bool, Flag, default(false);
+        /// How it goes there.
+        /// Default linear: straight down from the move before.
+        motion: StepMotion, one_of(), default(StepMotion::Linear);
+        /// Velocity, percent, before the project's own.
+        /// Default 100: the project's own alone.
+        velocity_percent: f64, VELOCITY, default(FULL);
     }
 }
 
@@ -107,25 +233,27 @@ section! {
 }
 
 section! {
-    /// Go to a pose that the robot sends.
-    pub struct ExternalMove {}
+    /// Go to a tool pose that the robot sends (502).
+    pub struct ExternalMove {
+        /// How it goes there.
+        /// Default joint: no line to keep.
+        motion: StepMotion, one_of(), default(StepMotion::Joint);
+        /// Velocity, percent, before the project's own.
+        /// Default 100: the project's own alone.
+        velocity_percent: f64, VELOCITY, default(FULL);
+    }
 }
 
 section! {
-    /// Switch an output on the way.
-    pub struct SetDigitalOutput {
-        /// Number of the output.
-        output: u16, whole(1, 512), required;
-        /// Its value.
-        value: bool, Flag, required;
-    }
+    /// Send the gripper's outputs of the pick before to the robot.
+    pub struct SetDigitalOutput {}
 }
 
 section! {
     /// Send a message to the robot.
     pub struct Notify {
-        /// The message.
-        message: String, Text, required;
+        /// The message, a number.
+        message: u32, whole(1, 2_147_483_647), required;
     }
 }
 
@@ -145,6 +273,12 @@ pub enum VizAction {
     RelativeMove(RelativeMove),
     /// Go to one of several fixed joint angles.
     MoveByList(MoveByList),
+    /// Go to one pose of a grid.
+    MoveByGrid(MoveByGrid),
+    /// Place at the next of a list of places.
+    CustomPalletPattern(CustomPalletPattern),
+    /// Place at the next place of equal layers.
+    PredefinedPalletPattern(PredefinedPalletPattern),
     /// Go on at the step that a message chooses.
     BranchByMsg(BranchByMsg),
     /// Go to a pose that the robot sends.
@@ -160,13 +294,15 @@ pub enum VizAction {
 pub struct VizStep {
     /// Number that commands and exits refer to.
     pub id: u16,
+    /// Step where the run goes on, 0 for its end; absent: the next of the list.
+    pub next: Option<u16>,
     /// What it does.
     #[serde(flatten)]
     pub action: VizAction,
 }
 
 /// Keys that every kind of step has.
-const STEP_KEYS: &[&str] = &["id", "kind"];
+const STEP_KEYS: &[&str] = &["id", "kind", "next"];
 
 /// The table of kinds: word, reader, schema.
 macro_rules! step_kinds {
@@ -199,6 +335,9 @@ step_kinds! {
     "fixed_point_move" => FixedPointMove(FixedPointMove),
     "relative_move" => RelativeMove(RelativeMove),
     "move_by_list" => MoveByList(MoveByList),
+    "move_by_grid" => MoveByGrid(MoveByGrid),
+    "custom_pallet_pattern" => CustomPalletPattern(CustomPalletPattern),
+    "predefined_pallet_pattern" => PredefinedPalletPattern(PredefinedPalletPattern),
     "branch_by_msg" => BranchByMsg(BranchByMsg),
     "external_move" => ExternalMove(ExternalMove),
     "set_do" => SetDo(SetDigitalOutput),
@@ -221,8 +360,17 @@ fn kind_schema<S: Section>(word: &str) -> Json {
         "kind".to_owned(),
         json!({"const": word, "description": S::DOC}),
     );
+    properties.insert(
+        "next".to_owned(),
+        json!({
+            "type": "integer",
+            "minimum": 0,
+            "maximum": 999,
+            "description": "Step where the run goes on, 0 for its end. Default: the next of the list.",
+        }),
+    );
     properties.extend(keys);
-    required.extend(STEP_KEYS.iter().map(|key| (*key).to_owned()));
+    required.extend(["id", "kind"].map(str::to_owned));
     json!({
         "type": "object",
         "description": S::DOC,
@@ -262,8 +410,16 @@ impl Rule for Step {
             reader.problem(&entry.node.place, &kind_key, message, Some(hint));
             return None;
         }
+        let next = match table.get("next") {
+            Some(entry) => Some(whole(0, 999).read(&entry.node, &join(key, "next"), reader)?),
+            None => None,
+        };
         let action = read_action(&kind, table, &node.place, key, reader)?;
-        Some(VizStep { id: id?, action })
+        Some(VizStep {
+            id: id?,
+            next,
+            action,
+        })
     }
 
     fn schema(&self) -> Json {
@@ -276,6 +432,13 @@ section! {
     pub struct Viz {
         /// Its steps, in order.
         steps: Vec<VizStep>, ListOf(Step, 1, 500), required;
+        /// Scales the velocity of every move, percent.
+        /// Default 100: as planned and taught.
+        velocity_percent: f64, VELOCITY, default(FULL);
+        /// Which step parameters the robot may read and change by number (commands 207 and 208): lines of
+        /// `read, id, step, key` and `write, id, step, key, value`; # begins a comment.
+        /// Default: none.
+        property_config: Option<String>, Maybe(Text), default(None);
     }
     check check_viz;
 }
@@ -287,6 +450,16 @@ fn check_viz(viz: &Viz, checker: &mut Checker<'_, '_>) {
             checker.problem(
                 "steps",
                 format!("expected each id once, found {id} twice"),
+                None,
+            );
+        }
+        if let Some(next) = step.next
+            && next != 0
+            && !viz.steps.iter().any(|other| other.id == next)
+        {
+            checker.problem(
+                "steps",
+                format!("expected a step behind step {id}, found {next}"),
                 None,
             );
         }

@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, VecDeque};
 
 use thiserror::Error;
 
-use crate::project::{Next, Project, StepKind};
+use crate::project::{Next, Project, Reference, StepKind};
 
 /// What is wrong with a project.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -77,6 +77,42 @@ pub enum WorkflowError {
         /// The step.
         step: i32,
     },
+    /// All results are planned in one go only as far as a conveyor.
+    #[error(
+        "step {step} plans all results, but a run can leave it without a pallet_pattern behind"
+    )]
+    AllWithoutPlace {
+        /// The Vision Move step.
+        step: i32,
+    },
+    /// The planner finds the way from a pick to the conveyor by itself.
+    #[error(
+        "step {step} moves between a Vision Move and its pallet_pattern, whose way the planner finds by itself"
+    )]
+    MoveBeforePlace {
+        /// The step that moves.
+        step: i32,
+    },
+    /// An offset from a waypoint that a run may never have.
+    #[error("step {step} is relative to the next waypoint, but a run can go on without one")]
+    NoNextWaypoint {
+        /// The step.
+        step: i32,
+    },
+    /// A list, grid or pattern without places.
+    #[error("step {step} has no places")]
+    NoPlaces {
+        /// The step.
+        step: i32,
+    },
+    /// Messages are positive: 0 says that there is none.
+    #[error("step {step} sends the message {message}, expected a number from 1")]
+    Message {
+        /// The step.
+        step: i32,
+        /// The message.
+        message: i32,
+    },
     /// A velocity that no robot can take.
     #[error("step {step}: velocity {found} %, expected more than 0 and at most 100")]
     Velocity {
@@ -92,6 +128,10 @@ pub enum WorkflowError {
 struct Done {
     recognised: bool,
     picked: bool,
+    /// Place of a Vision Move that must come to a conveyor.
+    all_open: Option<usize>,
+    /// Place of a move behind a pick.
+    moved: Option<usize>,
 }
 
 impl Project {
@@ -131,7 +171,9 @@ impl Project {
                 named.push(next);
             }
             match &step.kind {
-                StepKind::VisualRecognition { project } if !vision_projects.contains(project) => {
+                StepKind::VisualRecognition { project, .. }
+                    if !vision_projects.contains(project) =>
+                {
                     errors.push(WorkflowError::UnknownProject {
                         step: id,
                         project: *project,
@@ -142,13 +184,19 @@ impl Project {
                     errors.push(WorkflowError::NoExits { step: id });
                 }
                 StepKind::BranchByMsg { exits } => named.extend(exits),
-                StepKind::FixedPointMove(point) if !is_velocity(point.velocity_percent) => {
-                    errors.push(WorkflowError::Velocity {
+                StepKind::Notify { message } if *message < 1 => {
+                    errors.push(WorkflowError::Message {
                         step: id,
-                        found: point.velocity_percent,
+                        message: *message,
                     });
                 }
+                kind if kind.place_count() == Some(0) => {
+                    errors.push(WorkflowError::NoPlaces { step: id });
+                }
                 _ => {}
+            }
+            if let Some(found) = step.kind.velocity_percent().filter(|v| !is_velocity(*v)) {
+                errors.push(WorkflowError::Velocity { step: id, found });
             }
             errors.extend(
                 named
@@ -170,35 +218,63 @@ impl Project {
         let start = Done {
             recognised: false,
             picked: false,
+            all_open: None,
+            moved: None,
         };
         let mut seen = BTreeSet::from([(0, start)]);
         let mut queue = VecDeque::from([(0, start)]);
         while let Some((place, mut done)) = queue.pop_front() {
-            let step = &self.steps[place];
-            let error = match step.kind {
-                StepKind::VisionMove { .. } if !done.recognised => {
-                    Some(WorkflowError::PickWithoutRecognition { step: step.id })
-                }
-                StepKind::PalletPattern { .. } | StepKind::SetDo if !done.picked => {
-                    Some(WorkflowError::PlaceWithoutPick { step: step.id })
-                }
-                _ => None,
-            };
-            if let Some(error) = error
-                && faulty.insert(place)
+            if let Some((faulty_place, error)) = self.fault_at(place, done)
+                && faulty.insert(faulty_place)
             {
                 errors.push(error);
             }
-            match step.kind {
+            let kind = &self.steps[place].kind;
+            match kind {
                 StepKind::VisualRecognition { .. } => done.recognised = true,
-                StepKind::VisionMove { .. } => done.picked = true,
-                StepKind::PalletPattern { .. } => done.picked = false,
+                StepKind::VisionMove { plans_all, .. } => {
+                    done.picked = true;
+                    done.moved = None;
+                    done.all_open = plans_all.then_some(place);
+                }
+                StepKind::PalletPattern { .. } => {
+                    done.picked = false;
+                    done.all_open = None;
+                }
+                StepKind::CartonPattern { .. } => done.picked = false,
+                kind if kind.travel().is_some() && done.picked => {
+                    done.moved = done.moved.or(Some(place));
+                }
                 _ => {}
             }
-            for next in self.places_after(place).into_iter().flatten() {
-                if seen.insert((next, done)) {
-                    queue.push_back((next, done));
+            for next in self.places_after(place) {
+                match next {
+                    Some(next) => {
+                        if seen.insert((next, done)) {
+                            queue.push_back((next, done));
+                        }
+                    }
+                    None => {
+                        if let Some(open) = done.all_open
+                            && faulty.insert(open)
+                        {
+                            let step = self.steps[open].id;
+                            errors.push(WorkflowError::AllWithoutPlace { step });
+                        }
+                    }
                 }
+            }
+        }
+        for (place, step) in self.steps.iter().enumerate() {
+            if matches!(
+                step.kind,
+                StepKind::RelativeMove {
+                    reference: Reference::Next,
+                    ..
+                }
+            ) && !self.always_comes_to_a_waypoint(place)
+            {
+                errors.push(WorkflowError::NoNextWaypoint { step: step.id });
             }
         }
         let reached: BTreeSet<usize> = seen.into_iter().map(|(place, _)| place).collect();
@@ -211,6 +287,56 @@ impl Project {
             }
         }
         errors
+    }
+
+    /// What a run that comes to a step in this state runs into, and at which step.
+    fn fault_at(&self, place: usize, done: Done) -> Option<(usize, WorkflowError)> {
+        let step = &self.steps[place];
+        let id = step.id;
+        match step.kind {
+            StepKind::VisionMove { .. } if !done.recognised => {
+                Some((place, WorkflowError::PickWithoutRecognition { step: id }))
+            }
+            StepKind::VisionMove { .. } => done.all_open.map(|open| {
+                let step = self.steps[open].id;
+                (open, WorkflowError::AllWithoutPlace { step })
+            }),
+            StepKind::PalletPattern { .. } | StepKind::CartonPattern { .. } | StepKind::SetDo
+                if !done.picked =>
+            {
+                Some((place, WorkflowError::PlaceWithoutPick { step: id }))
+            }
+            StepKind::PalletPattern { .. } => done.moved.map(|moved| {
+                let step = self.steps[moved].id;
+                (moved, WorkflowError::MoveBeforePlace { step })
+            }),
+            _ => None,
+        }
+    }
+
+    /// Whether every way on from a step leads to a waypoint that does not itself depend on the one before.
+    fn always_comes_to_a_waypoint(&self, place: usize) -> bool {
+        let mut seen = BTreeSet::new();
+        let mut open = self.places_after(place);
+        while let Some(next) = open.pop() {
+            let Some(next) = next else {
+                return false;
+            };
+            match &self.steps[next].kind {
+                StepKind::RelativeMove {
+                    reference: Reference::Previous,
+                    ..
+                } => return false,
+                StepKind::RelativeMove { .. } => {}
+                StepKind::VisionMove { .. } => continue,
+                kind if kind.travel().is_some() => continue,
+                _ => {}
+            }
+            if seen.insert(next) {
+                open.extend(self.places_after(next));
+            }
+        }
+        true
     }
 
     /// Where a run may go from a step; `None` is the end.
@@ -231,7 +357,15 @@ impl Project {
                     .places_after(place)
                     .iter()
                     .any(|next| next.is_none_or(|next| ending.contains(&next)));
-                if ends {
+                // A recognition that reuses its picture ends the run when nothing is left in it.
+                let uses_up = matches!(
+                    self.steps[place].kind,
+                    StepKind::VisualRecognition {
+                        reuses_result: true,
+                        ..
+                    }
+                );
+                if ends || uses_up {
                     ending.insert(place);
                 }
             }

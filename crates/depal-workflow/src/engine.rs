@@ -1,7 +1,12 @@
 //! Walks through a project and says what it needs next.
 
+use std::collections::BTreeMap;
+
+use depal_frames::{JointPositions, Pose};
+
 use crate::check::WorkflowError;
-use crate::project::{FixedPoint, Place, Project, StepKind};
+use crate::parameter::{ParameterError, read_parameter, write_parameter};
+use crate::project::{MoveMotion, OffsetFrame, Place, Project, Reference, StepKind, Travel};
 
 /// Steps that a run may take before it counts as an endless loop.
 const MOST_STEPS: usize = 10_000;
@@ -15,12 +20,15 @@ pub enum Ask<P> {
         step: i32,
         /// Number of the vision project.
         project: i32,
+        /// What an earlier recognition of this run has left is to be used instead of a new picture, if there was one;
+        /// if nothing is left of it, answer with an error and the run ends with the path so far.
+        may_reuse: bool,
     },
-    /// Plan a pick; answer with [`Engine::planned`].
+    /// Plan a pick; answer with [`Engine::planned`]. [`Engine::pieces`] is the path so far.
     PlanPick {
         /// What to plan.
         pick: PickRequest,
-        /// Where to put it; absent if the project ends with the pick.
+        /// Where to put it, as part of the same plan; absent if the project's own steps go on from the pick.
         place: Option<Place>,
     },
     /// Wait for the robot to choose an exit; answer with [`Engine::branch`].
@@ -29,6 +37,13 @@ pub enum Ask<P> {
         step: i32,
         /// Number of exits.
         exits: usize,
+    },
+    /// Leave a message for the robot; answer with [`Engine::notified`].
+    Notify {
+        /// The step.
+        step: i32,
+        /// The message.
+        message: i32,
     },
     /// The run is over: the pieces of the path in order.
     Done(Vec<Piece<P>>),
@@ -45,22 +60,65 @@ pub struct PickRequest {
     pub project: i32,
     /// Choose gripper sections one by one.
     pub uses_sections: bool,
+    /// Pick and place everything that was recognised, round after round.
+    pub plans_all: bool,
+    /// Velocity of the Vision Move, percent, the global one included.
+    pub velocity_percent: f64,
     /// A Set DO step follows: the robot wants the outputs. False if the project has none.
     pub wants_outputs: bool,
-    /// Taught moves between pick and place, in order; velocities include the global one.
-    pub via: Vec<FixedPoint>,
+}
+
+/// A move that the planner did not plan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Move {
+    /// The step.
+    pub step: i32,
+    /// Where to.
+    pub target: Target,
+    /// By joints or straight.
+    pub motion: MoveMotion,
+    /// Velocity, percent, the global one included.
+    pub velocity_percent: f64,
+}
+
+/// Where a move goes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Target {
+    /// To joints, radians.
+    Joints(JointPositions),
+    /// To a tool pose in the robot base.
+    Tool(Pose),
+    /// To an offset from another waypoint.
+    Relative {
+        /// From the reference to the waypoint.
+        offset: Pose,
+        /// Which axes the offset counts along.
+        frame: OffsetFrame,
+        /// The other waypoint.
+        reference: Reference,
+    },
+    /// To where the carton that was picked last stands at a place: middle of its bottom face in the robot base, Z up.
+    Carton(Pose),
+}
+
+impl Target {
+    /// Tool pose at an offset from `base_from_reference`.
+    pub fn offset_pose(base_from_reference: &Pose, offset: &Pose, frame: OffsetFrame) -> Pose {
+        match frame {
+            OffsetFrame::Tool => base_from_reference * offset,
+            OffsetFrame::Base => Pose::from_parts(
+                (base_from_reference.translation.vector + offset.translation.vector).into(),
+                offset.rotation * base_from_reference.rotation,
+            ),
+        }
+    }
 }
 
 /// A piece of the finished path.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Piece<P> {
-    /// A taught move; its velocity includes the global one.
-    Fixed {
-        /// The step.
-        step: i32,
-        /// The move.
-        point: FixedPoint,
-    },
+    /// A move of the project's own.
+    Move(Move),
     /// What the planner answered.
     Planned {
         /// The Vision Move step.
@@ -81,6 +139,12 @@ pub enum Failure {
     EndlessLoop,
     /// An answer came that was not asked for, or an exit that does not exist.
     UnexpectedAnswer,
+    /// A list or grid was asked for a place behind its last one.
+    IndexOutOfRange,
+    /// Every place of a pattern is taken.
+    PatternFull,
+    /// An External Move came although the robot sent no pose.
+    NoExternalPose,
 }
 
 impl Failure {
@@ -90,6 +154,40 @@ impl Failure {
             Self::Status(code) => code,
             Self::RecognitionNotCalled => 2036,
             Self::EndlessLoop | Self::UnexpectedAnswer => 2008,
+            Self::IndexOutOfRange => 2027,
+            Self::PatternFull => 2032,
+            Self::NoExternalPose => 2013,
+        }
+    }
+}
+
+/// Why an index was not set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum IndexError {
+    /// No such step, or one without an index.
+    #[error("step {step} has no index")]
+    UnknownStep {
+        /// The step.
+        step: i32,
+    },
+    /// Outside the step's places.
+    #[error("step {step}: index {found}, expected 1 to {places}")]
+    OutOfRange {
+        /// The step.
+        step: i32,
+        /// The number sent.
+        found: i32,
+        /// Places of the step.
+        places: u32,
+    },
+}
+
+impl IndexError {
+    /// The interface's status code.
+    pub fn status_code(self) -> i32 {
+        match self {
+            Self::UnknownStep { .. } => 2026,
+            Self::OutOfRange { .. } => 2027,
         }
     }
 }
@@ -105,15 +203,21 @@ pub struct Engine<P> {
     recognised_project: Option<i32>,
     /// A pick whose place is not known yet.
     pending: Option<PickRequest>,
+    /// Moves behind the pending pick.
+    held_back: Vec<Move>,
     pieces: Vec<Piece<P>>,
+    /// Current index of each step that has one; 0 where none is noted.
+    indexes: BTreeMap<i32, u32>,
+    external_pose: Option<Pose>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     Idle,
-    Recognising { project: i32 },
+    Recognising { project: i32, may_reuse: bool },
     Planning { step: i32 },
     AtBranch { place: usize },
+    Notifying,
 }
 
 impl<P> Engine<P> {
@@ -128,23 +232,33 @@ impl<P> Engine<P> {
                 steps_taken: 0,
                 recognised_project: None,
                 pending: None,
+                held_back: Vec::new(),
                 pieces: Vec::new(),
+                indexes: BTreeMap::new(),
+                external_pose: None,
             }),
         }
     }
 
-    /// The project.
+    /// The project, with its parameters as they are set now.
     pub fn project(&self) -> &Project {
         &self.project
     }
 
-    /// Begins a run at the first step; a run before is given up.
+    /// The path so far.
+    pub fn pieces(&self) -> &[Piece<P>] {
+        &self.pieces
+    }
+
+    /// Begins a run at the first step; a run before is given up, and every index is 0 again.
     pub fn start(&mut self) -> Ask<P> {
         self.place = Some(0);
         self.steps_taken = 0;
         self.recognised_project = None;
         self.pending = None;
+        self.held_back.clear();
         self.pieces.clear();
+        self.indexes.clear();
         self.advance()
     }
 
@@ -154,9 +268,54 @@ impl<P> Engine<P> {
         self.place = None;
     }
 
+    /// The pose that an External Move goes to (502), tool in robot base; it holds for every later run.
+    pub fn set_external_pose(&mut self, base_from_tcp: Pose) {
+        self.external_pose = Some(base_from_tcp);
+    }
+
+    /// Takes the number N of command 204: the current index becomes N - 1, and N when the step is carried out.
+    pub fn set_index(&mut self, step: i32, number: i32) -> Result<(), IndexError> {
+        let places = self
+            .project
+            .step(step)
+            .and_then(|step| step.kind.place_count())
+            .ok_or(IndexError::UnknownStep { step })?;
+        match u32::try_from(number) {
+            Ok(number) if (1..=places).contains(&number) => {
+                self.indexes.insert(step, number - 1);
+                Ok(())
+            }
+            _ => Err(IndexError::OutOfRange {
+                step,
+                found: number,
+                places,
+            }),
+        }
+    }
+
+    /// Current index of a step: how many of its places are taken.
+    pub fn index(&self, step: i32) -> u32 {
+        self.indexes.get(&step).copied().unwrap_or(0)
+    }
+
+    /// A step's parameter by its key, in the units of the wire (207).
+    pub fn parameter(&self, step: i32, key: &str) -> Result<f64, ParameterError> {
+        read_parameter(&self.project, step, key)
+    }
+
+    /// Changes a step's parameter, in the units of the wire (208); it stays until it is changed again.
+    pub fn set_parameter(
+        &mut self,
+        step: i32,
+        key: &str,
+        value: f64,
+    ) -> Result<(), ParameterError> {
+        write_parameter(&mut self.project, step, key, value)
+    }
+
     /// Answers [`Ask::Recognise`]: something was found, or the status code that says why not.
     pub fn recognised(&mut self, outcome: Result<(), i32>) -> Ask<P> {
-        let State::Recognising { project } = self.state else {
+        let State::Recognising { project, may_reuse } = self.state else {
             return self.fail(Failure::UnexpectedAnswer);
         };
         match outcome {
@@ -164,6 +323,8 @@ impl<P> Engine<P> {
                 self.recognised_project = Some(project);
                 self.advance()
             }
+            // Everything in the picture has its path: a loop over one picture ends here.
+            Err(_) if may_reuse && self.has_plan() => self.done(),
             Err(code) => self.fail(Failure::Status(code)),
         }
     }
@@ -176,6 +337,8 @@ impl<P> Engine<P> {
         match outcome {
             Ok(plan) => {
                 self.pieces.push(Piece::Planned { step, plan });
+                self.pieces
+                    .extend(self.held_back.drain(..).map(Piece::Move));
                 self.advance()
             }
             Err(code) => self.fail(Failure::Status(code)),
@@ -200,6 +363,21 @@ impl<P> Engine<P> {
         }
     }
 
+    /// Answers [`Ask::Notify`].
+    pub fn notified(&mut self) -> Ask<P> {
+        if self.state == State::Notifying {
+            self.advance()
+        } else {
+            self.fail(Failure::UnexpectedAnswer)
+        }
+    }
+
+    fn has_plan(&self) -> bool {
+        self.pieces
+            .iter()
+            .any(|piece| matches!(piece, Piece::Planned { .. }))
+    }
+
     fn advance(&mut self) -> Ask<P> {
         self.state = State::Idle;
         while let Some(place) = self.place {
@@ -210,41 +388,55 @@ impl<P> Engine<P> {
             let step = &self.project.steps[place];
             let id = step.id;
             match &step.kind {
-                StepKind::VisualRecognition { project } => {
-                    let project = *project;
+                StepKind::VisualRecognition {
+                    project,
+                    reuses_result,
+                } => {
+                    let (project, may_reuse) = (*project, *reuses_result);
+                    // A pick before this step is out of the picture before: plan it first, then come back.
+                    if let Some(pick) = self.pending.take() {
+                        return self.plan(pick, None);
+                    }
                     self.place = self.project.place_after(place);
-                    self.state = State::Recognising { project };
-                    return Ask::Recognise { step: id, project };
+                    self.state = State::Recognising { project, may_reuse };
+                    return Ask::Recognise {
+                        step: id,
+                        project,
+                        may_reuse,
+                    };
                 }
-                StepKind::VisionMove { uses_sections } => {
-                    let uses_sections = *uses_sections;
+                StepKind::VisionMove {
+                    uses_sections,
+                    plans_all,
+                    velocity_percent,
+                } => {
                     let Some(project) = self.recognised_project else {
                         return self.fail(Failure::RecognitionNotCalled);
+                    };
+                    let pick = PickRequest {
+                        step: id,
+                        project,
+                        uses_sections: *uses_sections,
+                        plans_all: *plans_all,
+                        velocity_percent: self.scaled(*velocity_percent),
+                        wants_outputs: false,
                     };
                     // A pick before this one had no place: plan it first, then come back here.
                     if let Some(pick) = self.pending.take() {
                         return self.plan(pick, None);
                     }
-                    self.pending = Some(PickRequest {
-                        step: id,
-                        project,
-                        uses_sections,
-                        wants_outputs: false,
-                        via: Vec::new(),
-                    });
+                    self.pending = Some(pick);
                 }
                 StepKind::BranchByMsg { exits } => {
                     let exits = exits.len();
                     self.state = State::AtBranch { place };
                     return Ask::WaitBranch { step: id, exits };
                 }
-                StepKind::FixedPointMove(point) => {
-                    let mut point = point.clone();
-                    point.velocity_percent *= self.project.global_velocity_percent / 100.0;
-                    match &mut self.pending {
-                        Some(pick) => pick.via.push(point),
-                        None => self.pieces.push(Piece::Fixed { step: id, point }),
-                    }
+                StepKind::Notify { message } => {
+                    let message = *message;
+                    self.place = self.project.place_after(place);
+                    self.state = State::Notifying;
+                    return Ask::Notify { step: id, message };
                 }
                 StepKind::SetDo => {
                     if let Some(pick) = &mut self.pending {
@@ -258,18 +450,96 @@ impl<P> Engine<P> {
                         return self.plan(pick, Some(target));
                     }
                 }
+                StepKind::FixedPointMove { joints, travel } => {
+                    let (target, travel) = (Target::Joints(*joints), *travel);
+                    self.travel(id, target, travel);
+                }
+                StepKind::RelativeMove {
+                    offset,
+                    frame,
+                    reference,
+                    travel,
+                } => {
+                    let target = Target::Relative {
+                        offset: *offset,
+                        frame: *frame,
+                        reference: *reference,
+                    };
+                    let travel = *travel;
+                    self.travel(id, target, travel);
+                }
+                StepKind::MoveByList { targets, travel } => {
+                    let target = targets.get(self.index(id) as usize).copied();
+                    let travel = *travel;
+                    let Some(joints) = target else {
+                        return self.fail(Failure::IndexOutOfRange);
+                    };
+                    self.travel_by_index(id, Target::Joints(joints), travel);
+                }
+                StepKind::MoveByGrid { grid, travel } => {
+                    let target = grid.base_from_tcp(self.index(id));
+                    let travel = *travel;
+                    let Some(pose) = target else {
+                        return self.fail(Failure::IndexOutOfRange);
+                    };
+                    self.travel_by_index(id, Target::Tool(pose), travel);
+                }
+                StepKind::CartonPattern { pattern, travel } => {
+                    let target = pattern.base_from_carton(self.index(id));
+                    let travel = *travel;
+                    let Some(pose) = target else {
+                        return self.fail(Failure::PatternFull);
+                    };
+                    self.travel_by_index(id, Target::Carton(pose), travel);
+                }
+                StepKind::ExternalMove { travel } => {
+                    let travel = *travel;
+                    let Some(pose) = self.external_pose else {
+                        return self.fail(Failure::NoExternalPose);
+                    };
+                    self.travel(id, Target::Tool(pose), travel);
+                }
             }
             self.place = self.project.place_after(place);
         }
         if let Some(pick) = self.pending.take() {
             return self.plan(pick, None);
         }
-        Ask::Done(std::mem::take(&mut self.pieces))
+        self.done()
+    }
+
+    fn scaled(&self, velocity_percent: f64) -> f64 {
+        velocity_percent * self.project.global_velocity_percent / 100.0
+    }
+
+    fn travel(&mut self, step: i32, target: Target, travel: Travel) {
+        let next = Move {
+            step,
+            target,
+            motion: travel.motion,
+            velocity_percent: self.scaled(travel.velocity_percent),
+        };
+        if self.pending.is_some() {
+            self.held_back.push(next);
+        } else {
+            self.pieces.push(Piece::Move(next));
+        }
+    }
+
+    /// The step's index rises when it is carried out.
+    fn travel_by_index(&mut self, step: i32, target: Target, travel: Travel) {
+        *self.indexes.entry(step).or_insert(0) += 1;
+        self.travel(step, target, travel);
     }
 
     fn plan(&mut self, pick: PickRequest, place: Option<Place>) -> Ask<P> {
         self.state = State::Planning { step: pick.step };
         Ask::PlanPick { pick, place }
+    }
+
+    fn done(&mut self) -> Ask<P> {
+        self.stop();
+        Ask::Done(std::mem::take(&mut self.pieces))
     }
 
     fn fail(&mut self, failure: Failure) -> Ask<P> {

@@ -9,8 +9,8 @@
 //! ```
 //! use depal_workflow::{Ask, Engine, Place, Project, Step, StepKind};
 //! let project = Project::new(vec![
-//!     Step::new(1, StepKind::VisualRecognition { project: 1 }),
-//!     Step::new(2, StepKind::VisionMove { uses_sections: true }),
+//!     Step::new(1, StepKind::VisualRecognition { project: 1, reuses_result: false }),
+//!     Step::new(2, StepKind::VisionMove { uses_sections: true, plans_all: false, velocity_percent: 80.0 }),
 //!     Step::new(3, StepKind::PalletPattern { place: Place::Conveyor }),
 //! ]);
 //! let mut engine: Engine<&str> = Engine::new(project, &[1]).unwrap();
@@ -19,17 +19,29 @@
 //! assert!(matches!(engine.planned(Ok("the path")), Ask::Done(_)));
 //! ```
 //!
-//! Joints in radians, velocities in percent.
+//! Joints in radians, lengths in metres, velocities in percent; [`Engine::parameter`] speaks the wire's millimetres.
+//! Poses of moves are tool poses in the robot base; a pattern's places are those of a carton's bottom face.
 //!
-//! Not yet here: index-type steps, relative moves, external moves, notify, reuse of a vision result.
+//! Steps with an index (lists, grids, patterns) take their places one after another from 0 in every run;
+//! [`Engine::set_index`] takes the number of command 204, which is one more than the index.
+//!
+//! Limitations: a conveyor place follows its pick without moves between, because the planner finds that whole way;
+//! a step's index and parameters are numbers only.
 
 mod check;
 mod engine;
+mod parameter;
+mod pattern;
 mod project;
+mod text;
 
 pub use check::WorkflowError;
-pub use engine::{Ask, Engine, Failure, PickRequest, Piece};
-pub use project::{FixedPoint, MoveMotion, Next, Place, Project, Step, StepKind};
+pub use engine::{Ask, Engine, Failure, IndexError, Move, PickRequest, Piece, Target};
+pub use parameter::ParameterError;
+pub use pattern::{CartonPattern, Grid, Layers};
+pub use project::{
+    MoveMotion, Next, OffsetFrame, Place, Project, Reference, Step, StepKind, Travel,
+};
 
 #[cfg(test)]
 mod tests;

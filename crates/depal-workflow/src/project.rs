@@ -1,6 +1,6 @@
-use std::fmt;
+use depal_frames::{JointPositions, Pose};
 
-use depal_frames::JointPositions;
+use crate::pattern::{CartonPattern, Grid};
 
 /// A Viz project: its steps, the first one being where a run begins.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,11 +40,17 @@ pub enum StepKind {
     VisualRecognition {
         /// Number of the vision project.
         project: i32,
+        /// In a loop: goes on with what the picture before has left, and ends the run when nothing is left.
+        reuses_result: bool,
     },
     /// Picks one object, or a group, out of the last recognition.
     VisionMove {
         /// The gripper's sections are chosen one by one; else all of them are used.
         uses_sections: bool,
+        /// Everything that was recognised is picked and placed, round after round, in one path.
+        plans_all: bool,
+        /// Velocity, percent, before the project's global one.
+        velocity_percent: f64,
     },
     /// Waits for the robot to choose an exit.
     BranchByMsg {
@@ -52,34 +58,97 @@ pub enum StepKind {
         exits: Vec<i32>,
     },
     /// Goes to taught joints.
-    FixedPointMove(FixedPoint),
+    FixedPointMove {
+        /// Joints, radians.
+        joints: JointPositions,
+        /// How to get there.
+        travel: Travel,
+    },
+    /// Goes to a place that is given against another waypoint.
+    RelativeMove {
+        /// From the reference to the waypoint.
+        offset: Pose,
+        /// Which axes the offset counts along.
+        frame: OffsetFrame,
+        /// What it counts from.
+        reference: Reference,
+        /// How to get there.
+        travel: Travel,
+    },
+    /// Goes to one of several taught joints, chosen by the step's index.
+    MoveByList {
+        /// The list, radians.
+        targets: Vec<JointPositions>,
+        /// How to get there.
+        travel: Travel,
+    },
+    /// Goes to one of the poses of a grid, chosen by the step's index.
+    MoveByGrid {
+        /// The grid.
+        grid: Grid,
+        /// How to get there.
+        travel: Travel,
+    },
+    /// Places what was picked by a pattern, place by place in the order of the step's index.
+    CartonPattern {
+        /// The places.
+        pattern: CartonPattern,
+        /// How to get there.
+        travel: Travel,
+    },
+    /// Goes to the tool pose that the robot sent before the run (502).
+    ExternalMove {
+        /// How to get there.
+        travel: Travel,
+    },
     /// Sends the gripper's outputs of the last Vision Move to the robot.
     SetDo,
-    /// Places what was picked.
+    /// Leaves a message for the robot.
+    Notify {
+        /// The message, a positive number.
+        message: i32,
+    },
+    /// Places what was picked; the planner finds the whole way from the pick.
     PalletPattern {
         /// Where.
         place: Place,
     },
 }
 
-/// A taught move.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FixedPoint {
-    /// Joints, radians.
-    pub joints: JointPositions,
-    /// How to get there.
+/// How a move goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Travel {
+    /// By joints or straight.
     pub motion: MoveMotion,
     /// Velocity, percent, before the project's global one.
     pub velocity_percent: f64,
 }
 
-/// How a taught move goes.
+/// By joints or straight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MoveMotion {
     /// All joints together.
     Joint,
     /// Straight line of the TCP.
     Linear,
+}
+
+/// Which axes an offset counts along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OffsetFrame {
+    /// Those of the tool at the reference: `base_from_tcp = base_from_reference * offset`.
+    Tool,
+    /// Those of the robot base: position and turn are added in base axes about the reference's origin.
+    Base,
+}
+
+/// The waypoint that an offset counts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reference {
+    /// The one before; at the start of the path where the robot stands.
+    Previous,
+    /// The one after.
+    Next,
 }
 
 /// Where picked objects go.
@@ -107,6 +176,19 @@ impl Project {
                 _ => None,
             })
             .collect()
+    }
+
+    /// The steps that have an index (command 204): id and number of places.
+    pub fn index_steps(&self) -> Vec<(i32, u32)> {
+        self.steps
+            .iter()
+            .filter_map(|step| Some((step.id, step.kind.place_count()?)))
+            .collect()
+    }
+
+    /// The step with an id.
+    pub fn step(&self, id: i32) -> Option<&Step> {
+        self.steps.iter().find(|step| step.id == id)
     }
 
     /// Place of a step in the list.
@@ -141,48 +223,70 @@ impl Step {
     }
 }
 
-impl fmt::Display for Project {
-    /// The workflow as text, one step a line.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for step in &self.steps {
-            write!(f, "{:>4}  {}", step.id, step.kind)?;
-            match (&step.kind, step.next) {
-                (StepKind::BranchByMsg { .. }, _) | (_, Next::Following) => writeln!(f)?,
-                (_, Next::Step(id)) => writeln!(f, " -> {id}")?,
-                (_, Next::End) => writeln!(f, " -> end")?,
-            }
+impl StepKind {
+    /// Number of places of a step with an index; none for other steps.
+    pub fn place_count(&self) -> Option<u32> {
+        match self {
+            Self::MoveByList { targets, .. } => Some(targets.len() as u32),
+            Self::MoveByGrid { grid, .. } => Some(grid.len()),
+            Self::CartonPattern { pattern, .. } => Some(pattern.len()),
+            _ => None,
         }
-        Ok(())
+    }
+
+    /// Velocity of a step that moves, percent.
+    pub(crate) fn velocity_percent(&self) -> Option<f64> {
+        match self {
+            Self::VisionMove {
+                velocity_percent, ..
+            } => Some(*velocity_percent),
+            other => other.travel().map(|travel| travel.velocity_percent),
+        }
+    }
+
+    pub(crate) fn velocity_percent_mut(&mut self) -> Option<&mut f64> {
+        match self {
+            Self::VisionMove {
+                velocity_percent, ..
+            } => Some(velocity_percent),
+            Self::FixedPointMove { travel, .. }
+            | Self::RelativeMove { travel, .. }
+            | Self::MoveByList { travel, .. }
+            | Self::MoveByGrid { travel, .. }
+            | Self::CartonPattern { travel, .. }
+            | Self::ExternalMove { travel } => Some(&mut travel.velocity_percent),
+            _ => None,
+        }
+    }
+
+    /// How a step that moves by itself goes.
+    pub(crate) fn travel(&self) -> Option<Travel> {
+        match self {
+            Self::FixedPointMove { travel, .. }
+            | Self::RelativeMove { travel, .. }
+            | Self::MoveByList { travel, .. }
+            | Self::MoveByGrid { travel, .. }
+            | Self::CartonPattern { travel, .. }
+            | Self::ExternalMove { travel } => Some(*travel),
+            _ => None,
+        }
     }
 }
 
-impl fmt::Display for StepKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::VisualRecognition { project } => {
-                write!(f, "visual_recognition project {project}")
-            }
-            Self::VisionMove {
-                uses_sections: true,
-            } => f.write_str("vision_move by sections"),
-            Self::VisionMove { .. } => f.write_str("vision_move"),
-            Self::BranchByMsg { exits } => {
-                f.write_str("branch_by_msg ->")?;
-                exits.iter().try_for_each(|id| write!(f, " {id}"))
-            }
-            Self::FixedPointMove(point) => write!(
-                f,
-                "fixed_point_move {} at {} %",
-                match point.motion {
-                    MoveMotion::Joint => "joint",
-                    MoveMotion::Linear => "linear",
-                },
-                point.velocity_percent
-            ),
-            Self::SetDo => f.write_str("set_do"),
-            Self::PalletPattern {
-                place: Place::Conveyor,
-            } => f.write_str("pallet_pattern conveyor"),
+impl Travel {
+    /// All joints together at a velocity in percent.
+    pub fn joint(velocity_percent: f64) -> Self {
+        Self {
+            motion: MoveMotion::Joint,
+            velocity_percent,
+        }
+    }
+
+    /// Straight at a velocity in percent.
+    pub fn linear(velocity_percent: f64) -> Self {
+        Self {
+            motion: MoveMotion::Linear,
+            velocity_percent,
         }
     }
 }

@@ -1,9 +1,15 @@
-use depal_frames::JointPositions;
+use depal_frames::{JointPositions, Pose};
 
 use crate::*;
 
 fn recognise(id: i32) -> Step {
-    Step::new(id, StepKind::VisualRecognition { project: 1 })
+    Step::new(
+        id,
+        StepKind::VisualRecognition {
+            project: 1,
+            reuses_result: false,
+        },
+    )
 }
 
 fn pick(id: i32) -> Step {
@@ -11,6 +17,8 @@ fn pick(id: i32) -> Step {
         id,
         StepKind::VisionMove {
             uses_sections: true,
+            plans_all: false,
+            velocity_percent: 80.0,
         },
     )
 }
@@ -36,11 +44,40 @@ fn branch(id: i32, exits: &[i32]) -> Step {
 fn go(id: i32) -> Step {
     Step::new(
         id,
-        StepKind::FixedPointMove(FixedPoint {
+        StepKind::FixedPointMove {
             joints: JointPositions::from_degrees(&[f64::from(id); 6]),
-            motion: MoveMotion::Joint,
-            velocity_percent: 60.0,
-        }),
+            travel: Travel::joint(60.0),
+        },
+    )
+}
+
+fn beside(id: i32, reference: Reference) -> Step {
+    Step::new(
+        id,
+        StepKind::RelativeMove {
+            offset: Pose::translation(0.0, 0.0, -0.2),
+            frame: OffsetFrame::Tool,
+            reference,
+            travel: Travel::linear(100.0),
+        },
+    )
+}
+
+fn grid() -> Grid {
+    Grid {
+        base_from_first: Pose::translation(1.0, -1.0, 0.5),
+        counts: [3, 2, 1],
+        offsets: [0.4, 0.3, 0.0],
+    }
+}
+
+fn by_grid(id: i32) -> Step {
+    Step::new(
+        id,
+        StepKind::MoveByGrid {
+            grid: grid(),
+            travel: Travel::joint(100.0),
+        },
     )
 }
 
@@ -55,7 +92,7 @@ fn pieces(ask: Ask<u32>) -> Vec<(i32, Option<u32>)> {
     pieces
         .into_iter()
         .map(|piece| match piece {
-            Piece::Fixed { step, .. } => (step, None),
+            Piece::Move(next) => (next.step, None),
             Piece::Planned { step, plan } => (step, Some(plan)),
         })
         .collect()
@@ -68,7 +105,6 @@ fn a_whole_round() {
         go(2),
         pick(3),
         Step::new(4, StepKind::SetDo),
-        go(5),
         place(6),
         go(7),
     ]);
@@ -79,7 +115,8 @@ fn a_whole_round() {
             engine.start(),
             Ask::Recognise {
                 step: 1,
-                project: 1
+                project: 1,
+                may_reuse: false
             }
         );
         let Ask::PlanPick { pick, place } = engine.recognised(Ok(())) else {
@@ -90,13 +127,235 @@ fn a_whole_round() {
             (3, 1, Some(Place::Conveyor))
         );
         assert!(pick.wants_outputs && pick.uses_sections);
-        assert_eq!(pick.via.len(), 1);
-        assert_eq!(pick.via[0].velocity_percent, 30.0);
+        assert_eq!(pick.velocity_percent, 40.0);
+        let [Piece::Move(before)] = engine.pieces() else {
+            panic!("{:?}", engine.pieces());
+        };
+        assert_eq!((before.step, before.velocity_percent), (2, 30.0));
         assert_eq!(
             pieces(engine.planned(Ok(round))),
             [(2, None), (3, Some(round)), (7, None)]
         );
     }
+}
+
+#[test]
+fn moves_behind_a_pick_follow_its_plan() {
+    let mut engine = engine(vec![
+        Step::new(9, StepKind::Notify { message: 1000 }),
+        recognise(1),
+        beside(4, Reference::Next),
+        pick(2),
+        Step::new(5, StepKind::SetDo),
+        beside(6, Reference::Previous),
+        by_grid(3),
+    ]);
+    assert_eq!(
+        engine.start(),
+        Ask::Notify {
+            step: 9,
+            message: 1000
+        }
+    );
+    assert!(matches!(engine.notified(), Ask::Recognise { step: 1, .. }));
+    let ask = engine.recognised(Ok(()));
+    let Ask::PlanPick { pick, place: None } = ask else {
+        panic!("{ask:?}");
+    };
+    assert!(pick.wants_outputs && !pick.plans_all);
+    assert_eq!(
+        pieces(engine.planned(Ok(7))),
+        [(4, None), (2, Some(7)), (6, None), (3, None)]
+    );
+}
+
+/// Tool positions of the grid moves of a finished run.
+fn tools(ask: Ask<u32>) -> Vec<[f64; 3]> {
+    let Ask::Done(pieces) = ask else {
+        panic!("{ask:?}");
+    };
+    let target = |piece| match piece {
+        Piece::Move(Move {
+            target: Target::Tool(pose),
+            ..
+        }) => Some(pose.translation.vector.into()),
+        _ => None,
+    };
+    pieces.into_iter().filter_map(target).collect()
+}
+
+#[test]
+fn an_index_begins_below_its_number_and_rises_when_carried_out() {
+    let mut engine = engine(vec![branch(1, &[3]), by_grid(3)]);
+    engine.start();
+    assert_eq!(tools(engine.branch(0)), [[1.0, -1.0, 0.5]]);
+    assert_eq!(engine.index(3), 1);
+    engine.start();
+    engine.set_index(3, 5).unwrap();
+    assert_eq!(engine.index(3), 4);
+    // Index 4 of 3 x 2: second column, second row.
+    assert_eq!(tools(engine.branch(0)), [[1.4, -0.7, 0.5]]);
+    assert_eq!(engine.index(3), 5);
+    for (step, number, code) in [(3, 0, 2027), (3, 7, 2027), (1, 1, 2026), (77, 1, 2026)] {
+        let error = engine.set_index(step, number).unwrap_err();
+        assert_eq!(error.status_code(), code, "{error}");
+    }
+    assert_eq!(engine.project().index_steps(), [(3, 6)]);
+}
+
+#[test]
+fn a_full_grid_or_pattern_ends_a_loop_with_its_status() {
+    let stack = Step::new(
+        2,
+        StepKind::CartonPattern {
+            pattern: CartonPattern::Custom(vec![Pose::identity(); 2]),
+            travel: Travel::joint(100.0),
+        },
+    );
+    for (last, code) in [(stack, 2032), (by_grid(2), 2027)] {
+        let mut engine = engine(vec![
+            recognise(5),
+            pick(4),
+            last.then(Next::Step(3)),
+            branch(3, &[5, 6]),
+            go(6),
+        ]);
+        let mut ask = engine.start();
+        let failure = loop {
+            ask = match ask {
+                Ask::Recognise { .. } => engine.recognised(Ok(())),
+                Ask::WaitBranch { .. } => engine.branch(0),
+                Ask::PlanPick { .. } => engine.planned(Ok(0)),
+                Ask::Failed(failure) => break failure,
+                other => panic!("{other:?}"),
+            };
+        };
+        assert_eq!(failure.status_code(), code);
+    }
+}
+
+#[test]
+fn one_picture_is_used_up_in_a_loop() {
+    let reuse = Step::new(
+        1,
+        StepKind::VisualRecognition {
+            project: 1,
+            reuses_result: true,
+        },
+    );
+    let steps = vec![reuse, pick(2), by_grid(3).then(Next::Step(1)), go(4)];
+    let mut project = Project::new(steps);
+    // The loop has no other way out than an empty picture.
+    assert!(
+        project
+            .check(&[1])
+            .contains(&WorkflowError::Unreachable { step: 4 })
+    );
+    project.steps.pop();
+    let mut engine: Engine<u32> = Engine::new(project, &[1]).unwrap();
+    let mut ask = engine.start();
+    for carton in 0..3 {
+        assert!(
+            matches!(
+                ask,
+                Ask::Recognise {
+                    may_reuse: true,
+                    ..
+                }
+            ),
+            "{ask:?}"
+        );
+        let plan = engine.recognised(Ok(()));
+        // The pick is planned when the next picture is wanted.
+        assert!(
+            matches!(plan, Ask::PlanPick { place: None, .. }),
+            "{plan:?}"
+        );
+        ask = engine.planned(Ok(carton));
+    }
+    let done = pieces(engine.recognised(Err(2037)));
+    let picks: Vec<u32> = done.iter().filter_map(|(_, plan)| *plan).collect();
+    assert_eq!((picks, done.len()), (vec![0, 1, 2], 6));
+    // With nothing planned, an empty picture is a failure.
+    engine.start();
+    assert_eq!(
+        engine.recognised(Err(2037)),
+        Ask::Failed(Failure::Status(2037))
+    );
+}
+
+#[test]
+fn an_external_move_needs_its_pose() {
+    let external = StepKind::ExternalMove {
+        travel: Travel::joint(100.0),
+    };
+    let mut engine = engine(vec![Step::new(1, external)]);
+    assert_eq!(engine.start(), Ask::Failed(Failure::NoExternalPose));
+    engine.set_external_pose(Pose::translation(1.0, 2.0, 3.0));
+    assert_eq!(tools(engine.start()), [[1.0, 2.0, 3.0]]);
+}
+
+#[test]
+fn layers_count_columns_first_and_alternate() {
+    let pattern = CartonPattern::Predefined(Layers {
+        base_from_first: Pose::translation(1.0, 0.0, 0.1),
+        rows: 2,
+        columns: 3,
+        layers: 2,
+        pitch: [0.4, 0.3, 0.25],
+        is_alternating: true,
+    });
+    let at = |index| {
+        let pose = pattern.base_from_carton(index)?;
+        let xyz: [f64; 3] = pose.translation.vector.into();
+        let turn = pose.rotation.euler_angles().2.to_degrees().round();
+        Some((xyz.map(|v| (v * 1e6).round() / 1e6), turn))
+    };
+    assert_eq!(at(0), Some(([1.0, 0.0, 0.1], 0.0)));
+    assert_eq!(at(4), Some(([1.4, 0.3, 0.1], 0.0)));
+    // Second layer: the first carton (-0.4, -0.15 from the middle 1.4, 0.15) turned by 90 degrees.
+    assert_eq!(at(6), Some(([1.55, -0.25, 0.35], 90.0)));
+    assert_eq!(at(12), None);
+    assert_eq!(pattern.len(), 12);
+}
+
+#[test]
+fn parameters_are_read_and_changed_by_key() {
+    let mut engine = engine(vec![by_grid(3), beside(4, Reference::Previous)]);
+    assert_eq!(engine.parameter(3, "xCount"), Ok(3.0));
+    assert_eq!(engine.parameter(3, "xOffset"), Ok(400.0));
+    assert_eq!(engine.parameter(4, "zOffset"), Ok(-200.0));
+    engine.set_parameter(3, "xOffset", 10.0).unwrap();
+    engine.set_parameter(3, "xCount", 1.0).unwrap();
+    engine.set_parameter(3, "velocity", 25.0).unwrap();
+    engine.start();
+    engine.set_index(3, 2).unwrap();
+    assert_eq!(engine.parameter(3, "xOffset"), Ok(10.0));
+    assert_eq!(engine.project().index_steps(), [(3, 2)]);
+    for (step, key, value) in [
+        (77, "xCount", 1.0),
+        (3, "xcount", 1.0),
+        (3, "xCount", 0.0),
+        (3, "xCount", 1.5),
+        (3, "yOffset", f64::NAN),
+        (3, "velocity", 0.0),
+        (4, "xCount", 2.0),
+    ] {
+        let error = engine.set_parameter(step, key, value).unwrap_err();
+        assert_eq!(error.write_status_code(), 2016, "{error}");
+    }
+    assert_eq!(
+        engine.parameter(3, "xCount"),
+        Ok(1.0),
+        "a refusal changes nothing"
+    );
+    assert_eq!(
+        engine
+            .parameter(77, "xCount")
+            .unwrap_err()
+            .read_status_code(),
+        2041
+    );
 }
 
 #[test]
@@ -116,11 +375,12 @@ fn a_branch_decides_where_a_pick_goes() {
             Ask::WaitBranch { step: 3, exits: 2 }
         );
         let ask = engine.branch(exit);
-        let Ask::PlanPick { pick, place } = ask else {
+        let Ask::PlanPick { place, .. } = ask else {
             panic!("{ask:?}");
         };
-        assert_eq!((place, pick.via.len()), (expected, exit));
-        assert_eq!(pieces(engine.planned(Ok(9))), [(2, Some(9))]);
+        assert_eq!(place, expected);
+        let path = pieces(engine.planned(Ok(9)));
+        assert_eq!(path, [(2, Some(9)), (5, None)][..=exit]);
     }
     assert_eq!(engine(steps.clone()).project().branches(), [(3, 2)]);
 }
@@ -200,7 +460,13 @@ fn faulty_projects_are_refused_with_all_reasons() {
         ],
     );
     check(
-        vec![Step::new(1, StepKind::VisualRecognition { project: 8 })],
+        vec![Step::new(
+            1,
+            StepKind::VisualRecognition {
+                project: 8,
+                reuses_result: true,
+            },
+        )],
         &["step 1 runs vision project 8, which does not exist; projects are [1]"],
     );
     check(
@@ -229,12 +495,39 @@ fn faulty_projects_are_refused_with_all_reasons() {
         ],
     );
     let mut fast = go(1);
-    if let StepKind::FixedPointMove(point) = &mut fast.kind {
-        point.velocity_percent = 120.0;
+    if let StepKind::FixedPointMove { travel, .. } = &mut fast.kind {
+        travel.velocity_percent = 120.0;
     }
     check(
-        vec![fast],
-        &["step 1: velocity 120 %, expected more than 0 and at most 100"],
+        vec![fast, Step::new(2, StepKind::Notify { message: 0 })],
+        &[
+            "step 1: velocity 120 %, expected more than 0 and at most 100",
+            "step 2 sends the message 0, expected a number from 1",
+        ],
+    );
+    check(
+        vec![recognise(1), pick(2), go(3), place(4)],
+        &[
+            "step 3 moves between a Vision Move and its pallet_pattern, whose way the planner finds by itself",
+        ],
+    );
+    let mut all = pick(2);
+    if let StepKind::VisionMove { plans_all, .. } = &mut all.kind {
+        *plans_all = true;
+    }
+    check(
+        vec![recognise(1), all.clone(), go(3)],
+        &["step 2 plans all results, but a run can leave it without a pallet_pattern behind"],
+    );
+    check(vec![recognise(1), all, place(3)], &[]);
+    check(
+        vec![
+            beside(1, Reference::Next),
+            branch(2, &[3, 4]),
+            go(3),
+            beside(4, Reference::Previous),
+        ],
+        &["step 1 is relative to the next waypoint, but a run can go on without one"],
     );
 }
 
@@ -250,7 +543,7 @@ fn a_project_reads_as_text() {
     assert_eq!(
         project.to_string(),
         "   1  visual_recognition project 1\n   2  branch_by_msg -> 3 5\n   \
-         3  vision_move by sections\n   4  pallet_pattern conveyor -> end\n   \
+         3  vision_move by sections at 80 %\n   4  pallet_pattern conveyor -> end\n   \
          5  fixed_point_move joint at 60 %\n"
     );
 }

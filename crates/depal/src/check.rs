@@ -155,11 +155,22 @@ fn check_scene(path: &Path) -> Result<String, Vec<String>> {
     for warning in &built.warnings {
         eprintln!("{}", draw(warning, &built.sources));
     }
+    let projects: Vec<i32> = built.spec.projects.keys().copied().collect();
+    let paths = built.spec.projects.values().filter_map(|p| p.path.as_ref());
+    let faults: Vec<String> = paths
+        .chain([&built.spec.workflow])
+        .flat_map(|workflow| workflow.check(&projects))
+        .map(|fault| format!("{}: {fault}", path.display()))
+        .collect();
+    if !faults.is_empty() {
+        return Err(faults);
+    }
     Ok(format!(
-        "good: {} cartons, {}, {} program file(s)",
+        "good: {} cartons, {}, {} program file(s); the Viz project:\n{}",
         built.spec.cartons.len(),
         built.spec.arm.name(),
-        built.sources.len()
+        built.sources.len(),
+        built.spec.workflow.to_string().trim_end()
     ))
 }
 

@@ -4,6 +4,7 @@ mod gripper;
 mod program;
 mod solids;
 mod vision;
+mod workflow;
 
 use std::sync::Arc;
 
@@ -159,8 +160,8 @@ impl Scene {
             camera: camera(&self.camera)?,
             world_from_camera,
             base_from_camera,
-            projects: vision::projects(self, &base_from_camera.inverse())?,
-            workflow: vision::workflow(self)?,
+            projects: vision::projects(self, &base_from_camera.inverse()),
+            workflow: workflow::workflow(self),
             interface: vision::server(self),
             port: self.interface.port,
             controller,
@@ -178,6 +179,7 @@ impl Scene {
                 planning: SimDuration::from_secs_f64(self.latency.planning_s),
             },
             time_limit: SimDuration::from_secs_f64(self.run.max_sim_s),
+            may_leave_cartons: self.run.may_leave_cartons,
             arm,
         })
     }

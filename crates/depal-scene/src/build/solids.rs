@@ -5,7 +5,7 @@ use depal_frames::{PlacedShape, Pose, Rotation, Vector};
 use depal_world::{ConveyorSpec, FixedBody};
 
 use crate::scene::Scene;
-use crate::stack::{Conveyor, Pallet};
+use crate::stack::{Conveyor, Pallet, SupportForm};
 
 /// Pose from a position in mm and a turn about Z in degrees.
 pub(super) fn pose_mm_yaw(xyz_mm: [f64; 3], yaw_deg: f64) -> Pose {
@@ -114,9 +114,20 @@ fn conveyor_legs(conveyor: &Conveyor) -> Vec<PlacedShape> {
     legs
 }
 
+/// Pallet or platform as one block.
+fn pallet_block(pallet: &Pallet) -> PlacedShape {
+    let size = Vector::from(pallet.size_mm) * 1e-3;
+    let middle = Pose::translation(0.0, 0.0, 0.5 * size.z);
+    PlacedShape::cuboid(pose_mm_yaw(pallet.xyz_mm, pallet.yaw_deg) * middle, size)
+}
+
 /// Everything that stands still, floor first.
 pub(super) fn fixed_bodies(scene: &Scene) -> Vec<FixedBody> {
-    let mut pallet = FixedBody::standing("pallet", pallet_boards(&scene.pallet));
+    let solids = match scene.pallet.form {
+        SupportForm::Boards => pallet_boards(&scene.pallet),
+        SupportForm::Block => vec![pallet_block(&scene.pallet)],
+    };
+    let mut pallet = FixedBody::standing("pallet", solids);
     pallet.friction = scene.pallet.friction;
     let mut bodies = vec![FixedBody::floor(vec![floor()]), pallet];
     let legs = conveyor_legs(&scene.conveyor);
@@ -129,17 +140,13 @@ pub(super) fn fixed_bodies(scene: &Scene) -> Vec<FixedBody> {
 /// What a planner is told about the cell, world frame: floor, the pallet as one block, the belt down
 /// to the floor.
 pub(super) fn known_obstacles(scene: &Scene) -> Vec<PlacedShape> {
-    let pallet = &scene.pallet;
-    let size = Vector::from(pallet.size_mm) * 1e-3;
-    let block =
-        pose_mm_yaw(pallet.xyz_mm, pallet.yaw_deg) * Pose::translation(0.0, 0.0, 0.5 * size.z);
     let belt_size = Vector::from(scene.conveyor.size_mm) * 1e-3;
     let world_from_top = pose_mm_yaw(scene.conveyor.xyz_mm, scene.conveyor.yaw_deg);
     let height = world_from_top.translation.z;
     let belt = world_from_top * Pose::translation(0.0, 0.0, -0.5 * height);
     vec![
         floor(),
-        PlacedShape::cuboid(block, size),
+        pallet_block(&scene.pallet),
         PlacedShape::cuboid(belt, Vector::new(belt_size.x, belt_size.y, height)),
     ]
 }

@@ -2,17 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use depal_cell::spec::VisionProject;
-use depal_frames::{BoxSize, EulerConvention, JointPositions, Pose, Vector};
+use depal_cell::spec::{CustomPort, CustomRows, VisionProject};
+use depal_frames::{BoxSize, EulerConvention, Pose, Vector};
 use depal_interface::{
     BranchStep, Encoding, OutputPort, PortSettings, Profile, ServerSettings,
     VisionProject as ServedProject, VizProject,
 };
 use depal_time::SimDuration;
 use depal_vision::{RegionOfInterest, VisionSettings};
-use depal_workflow::{FixedPoint, MoveMotion, Place, Project, Step, StepKind};
 
-use super::{BuildError, solids};
+use super::{solids, workflow};
 use crate::interface::{RobotBrand, WireEncoding};
 use crate::scene::Scene;
 use crate::vision::{ProjectOutput, VisionProject as SceneProject};
@@ -26,21 +25,12 @@ const REGION_BELOW: f64 = 0.03;
 const REGION_ABOVE: f64 = 2.2;
 
 /// The vision projects, with their regions in the camera frame.
-pub(super) fn projects(
-    scene: &Scene,
-    camera_from_base: &Pose,
-) -> Result<BTreeMap<i32, VisionProject>, BuildError> {
+pub(super) fn projects(scene: &Scene, camera_from_base: &Pose) -> BTreeMap<i32, VisionProject> {
     let base_from_world =
         solids::pose_mm_yaw(scene.robot.base_xyz_mm, scene.robot.base_yaw_deg).inverse();
     let camera_from_world = camera_from_base * base_from_world;
     let mut projects = BTreeMap::new();
     for project in &scene.vision.project {
-        if project.output != ProjectOutput::Poses {
-            return Err(BuildError::Unsupported {
-                key: format!("vision.project {}: output", project.id),
-                what: "any output but poses".to_owned(),
-            });
-        }
         let sizes = |boxes: &[[f64; 3]]| boxes.iter().map(|b| BoxSize::from_mm(*b)).collect();
         let settings = VisionSettings {
             min_depth: scene.camera.near_mm * 1e-3,
@@ -53,9 +43,30 @@ pub(super) fn projects(
             .iter()
             .map(|recipe| (i32::from(recipe.id), sizes(&recipe.box_mm)))
             .collect();
-        projects.insert(i32::from(project.id), VisionProject { settings, recipes });
+        let custom_ports = project
+            .port
+            .iter()
+            .map(|port| CustomPort {
+                name: port.name.clone(),
+                rows: if port.rows.is_empty() {
+                    CustomRows::Same(port.row.clone())
+                } else {
+                    CustomRows::ByPoint(port.rows.clone())
+                },
+            })
+            .collect();
+        let path = (project.output == ProjectOutput::Path).then(|| workflow::path_steps(project));
+        projects.insert(
+            i32::from(project.id),
+            VisionProject {
+                settings,
+                recipes,
+                custom_ports,
+                path,
+            },
+        );
     }
-    Ok(projects)
+    projects
 }
 
 /// Where a project looks for cartons: its own region, or the air above the pallet.
@@ -105,7 +116,10 @@ pub(super) fn server(scene: &Scene) -> ServerSettings {
     let projects = scene.vision.project.iter().map(|project| ServedProject {
         id: i32::from(project.id),
         recipes: project.recipes.iter().map(|r| i32::from(r.id)).collect(),
-        output: OutputPort::Poses,
+        output: match project.output {
+            ProjectOutput::Poses | ProjectOutput::Custom => OutputPort::Poses,
+            ProjectOutput::Path => OutputPort::Path,
+        },
         ..ServedProject::default()
     });
     let branches = scene
@@ -128,66 +142,4 @@ pub(super) fn server(scene: &Scene) -> ServerSettings {
         }),
         ..ServerSettings::default()
     }
-}
-
-/// The planning project. Steps whose kind is not simulated yet are refused by name.
-pub(super) fn workflow(scene: &Scene) -> Result<Project, BuildError> {
-    let mut steps = Vec::new();
-    let mut holds_carton = false;
-    for step in &scene.viz.steps {
-        let unsupported = |what: &str| BuildError::Unsupported {
-            key: format!("viz step {}", step.id),
-            what: what.to_owned(),
-        };
-        let kind = match &step.action {
-            VizAction::VisualRecognition(recognition) if recognition.reuse_vision_result => {
-                return Err(unsupported("reuse_vision_result"));
-            }
-            VizAction::VisualRecognition(recognition) => StepKind::VisualRecognition {
-                project: i32::from(recognition.project),
-            },
-            VizAction::VisionMove(vision_move) if vision_move.plan_all_vision_results => {
-                return Err(unsupported("plan_all_vision_results"));
-            }
-            VizAction::VisionMove(vision_move) if !vision_move.sections => {
-                return Err(unsupported("a vision_move without sections"));
-            }
-            VizAction::VisionMove(_) => {
-                holds_carton = true;
-                StepKind::VisionMove {
-                    uses_sections: true,
-                }
-            }
-            VizAction::PalletPattern(_) => {
-                holds_carton = false;
-                StepKind::PalletPattern {
-                    place: Place::Conveyor,
-                }
-            }
-            VizAction::FixedPointMove(_) if holds_carton => {
-                return Err(unsupported("a fixed_point_move between pick and place"));
-            }
-            VizAction::FixedPointMove(point) => StepKind::FixedPointMove(FixedPoint {
-                joints: JointPositions::from_degrees(&point.joints_deg),
-                motion: MoveMotion::Joint,
-                velocity_percent: 100.0,
-            }),
-            VizAction::BranchByMsg(branch) => StepKind::BranchByMsg {
-                exits: branch.exits.iter().map(|exit| i32::from(*exit)).collect(),
-            },
-            VizAction::RelativeMove(_) => return Err(unsupported("relative_move")),
-            VizAction::MoveByList(_) => return Err(unsupported("move_by_list")),
-            VizAction::ExternalMove(_) => return Err(unsupported("external_move")),
-            VizAction::SetDo(_) => return Err(unsupported("set_do")),
-            VizAction::Notify(_) => return Err(unsupported("notify")),
-        };
-        steps.push(Step::new(i32::from(step.id), kind));
-    }
-    if holds_carton {
-        return Err(BuildError::Unsupported {
-            key: "viz.steps".to_owned(),
-            what: "a vision_move without a pallet_pattern behind it".to_owned(),
-        });
-    }
-    Ok(Project::new(steps))
 }

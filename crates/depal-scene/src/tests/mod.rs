@@ -1,6 +1,7 @@
 //! Tests of scenes: what is refused and how it says so, overrides, the stack, the schema.
 
 mod documentation;
+mod interface;
 mod layout;
 mod loading;
 mod mistakes;
