@@ -3,7 +3,7 @@ use std::sync::Arc;
 use depal_time::SimTime;
 
 use crate::execution::{RobotTask, RuntimeError, Step};
-use crate::memory::{Frame, Handling, Memory, PendingCall, element};
+use crate::memory::{Frame, Handling, Interrupt, Memory, PendingCall, Trigger, element};
 use crate::operators::{binary, unary};
 use crate::system::{ProgramLocation, System};
 use crate::{CallContext, MachineFault, Op, Outcome, Program, RaisedError, Reference, Root, Value};
@@ -18,6 +18,8 @@ pub struct Machine {
     last_error: i64,
     ended: Option<Step>,
     single_cycle: bool,
+    /// An error on its way through UNDO clauses to the frame of this height.
+    unwinding: Option<(RaisedError, usize)>,
 }
 
 /// What an operation asks of the loop around it.
@@ -45,6 +47,7 @@ impl Machine {
             last_error: 0,
             ended: None,
             single_cycle: false,
+            unwinding: None,
         };
         machine.begin();
         if let Some(initializer) = machine.program.initializer {
@@ -210,14 +213,15 @@ impl Machine {
         };
         self.last_error = error.number;
         let mut give_up = from_handler;
-        while let Some(frame) = self.memory.frames.last_mut() {
-            let routine = &self.program.routines[frame.routine as usize];
+        let mut taker = None;
+        for (height, frame) in self.memory.frames.iter().enumerate().rev() {
             if frame.handling.is_some() && !give_up {
                 // An error inside a handler has nowhere to go.
                 break;
             }
+            let handler = self.program.routines[frame.routine as usize].handler.as_ref();
             let takes = !give_up
-                && routine.handler.as_ref().is_some_and(|handler| {
+                && handler.is_some_and(|handler| {
                     handler
                         .numbers
                         .as_ref()
@@ -225,21 +229,182 @@ impl Machine {
                 });
             give_up = false;
             if takes {
-                let entry = routine.handler.as_ref().map_or(0, |handler| handler.entry);
+                taker = Some(height);
+                break;
+            }
+            if frame.interrupt.is_some() {
+                // What an interrupt's routine does not handle stops the program.
+                break;
+            }
+        }
+        match taker {
+            Some(height) => self.unwind(error, height),
+            None => Flow::End(Step::Failed(failure)),
+        }
+    }
+
+    /// Leaves all routines above the one that handles the error; each runs its UNDO clause first.
+    fn unwind(&mut self, error: RaisedError, height: usize) -> Flow {
+        while self.memory.frames.len() > height + 1 {
+            let frame = self.memory.frames.last_mut().expect("just counted");
+            let undo = self.program.routines[frame.routine as usize].undo;
+            if let (Some(undo), false) = (undo, frame.undoing) {
+                frame.undoing = true;
                 frame.operands.clear();
                 frame.pending = None;
                 frame.wait_started = None;
-                frame.handling = Some(Handling {
-                    error,
-                    retry: frame.statement,
-                    next: frame.next,
-                });
-                frame.pc = entry;
+                frame.handling = None;
+                frame.pc = undo;
+                self.unwinding = Some((error, height));
                 return Flow::Next;
             }
             self.memory.frames.pop();
         }
-        Flow::End(Step::Failed(failure))
+        let frame = self.memory.frames.last_mut().expect("the taker is there");
+        let handler = self.program.routines[frame.routine as usize].handler.as_ref();
+        frame.operands.clear();
+        frame.pending = None;
+        frame.wait_started = None;
+        frame.handling = Some(Handling {
+            error,
+            retry: frame.statement,
+            next: frame.next,
+        });
+        frame.pc = handler.map_or(0, |handler| handler.entry);
+        Flow::Next
+    }
+
+    /// Looks at what orders interrupts, and queues those whose time has come.
+    fn watch(&mut self, system: &mut dyn System) {
+        let Memory {
+            globals,
+            frames,
+            interrupts,
+            ..
+        } = &mut self.memory;
+        let mut over = Vec::new();
+        for interrupt in &mut interrupts.connected {
+            let fired = match &mut interrupt.trigger {
+                Trigger::None => false,
+                Trigger::Signal { name, wanted, last } => {
+                    let value = system.signal(name).unwrap_or(*last);
+                    let changed = value != *last;
+                    *last = value;
+                    changed && wanted.is_none_or(|wanted| wanted == value)
+                }
+                Trigger::Timer { period, due } => {
+                    let passed = system.now() >= *due;
+                    if passed {
+                        *due += *period;
+                    }
+                    passed
+                }
+                Trigger::Change { variable, last } => {
+                    let value = Memory::find(globals, frames, variable).unwrap_or(&Value::Absent);
+                    let changed = value != last;
+                    if changed {
+                        *last = value.clone();
+                    }
+                    changed
+                }
+            };
+            if fired && !interrupt.asleep {
+                interrupts.queued.push_back(interrupt.number);
+                if interrupt.once {
+                    over.push(interrupt.number);
+                }
+            }
+        }
+        for number in over {
+            if let Some(interrupt) = interrupts.find(number) {
+                interrupt.trigger = Trigger::None;
+            }
+        }
+    }
+
+    /// Begins the routine of the next queued interrupt, unless one runs or they are held back.
+    fn begin_interrupt(&mut self) {
+        let busy = self.memory.frames.iter().any(|f| f.interrupt.is_some());
+        let interrupts = &mut self.memory.interrupts;
+        if busy || interrupts.disabled {
+            return;
+        }
+        while let Some(number) = interrupts.queued.pop_front() {
+            if let Some(routine) = interrupts.find(number).map(|i| i.routine) {
+                self.push_frame(routine, Vec::new());
+                self.frame().interrupt = Some(number);
+                return;
+            }
+        }
+    }
+
+    fn connect(&mut self, routine: u32) -> Result<(), MachineFault> {
+        let reference = self.pop_reference()?;
+        let interrupts = &mut self.memory.interrupts;
+        interrupts.given += 1;
+        let number = interrupts.given;
+        interrupts.connected.push(Interrupt {
+            number,
+            routine,
+            trigger: Trigger::None,
+            once: false,
+            asleep: false,
+        });
+        self.memory.write(&reference, Value::Num(number as f32))
+    }
+
+    fn call_by_name(&mut self, count: u32) -> Result<(), MachineFault> {
+        let mut given = self.pop_many(count).into_iter();
+        let Value::Str(name) = self.pop() else {
+            return Err(MachineFault::Argument {
+                message: "the name of a procedure is a string".into(),
+            });
+        };
+        let (module, wanted) = match name.split_once(':') {
+            Some((module, wanted)) => (Some(module), wanted),
+            None => (None, name.as_str()),
+        };
+        let program = Arc::clone(&self.program);
+        let found = program.routines.iter().position(|routine| {
+            routine.callable.is_some()
+                && routine.name.eq_ignore_ascii_case(wanted)
+                && module.is_none_or(|module| routine.module.eq_ignore_ascii_case(module))
+        });
+        let Some(index) = found else {
+            return Err(MachineFault::UnknownRoutine { name });
+        };
+        let parameters = program.routines[index].callable.iter().flatten();
+        let needed = parameters.clone().filter(|p| !p.optional).count();
+        if needed != count as usize {
+            return Err(MachineFault::WrongCall {
+                name,
+                message: format!("it needs {needed}, {count} are given"),
+            });
+        }
+        let mut arguments = Vec::new();
+        for parameter in parameters {
+            if parameter.optional {
+                arguments.push(Value::Absent);
+                continue;
+            }
+            arguments.push(match (given.next().unwrap_or_default(), parameter.by_reference) {
+                (Value::Reference(reference), false) => self.memory.read(&reference)?.clone(),
+                (Value::Reference(reference), true) => Value::Reference(reference),
+                (_, true) => {
+                    return Err(MachineFault::WrongCall {
+                        name,
+                        message: "a variable is needed, a value is given".into(),
+                    });
+                }
+                (value, false) => value,
+            });
+        }
+        let limit = self.program.rules.recursion_limit;
+        if self.memory.frames.len() >= limit {
+            return Err(MachineFault::RecursionLimit { limit });
+        }
+        self.push_frame(index as u32, arguments);
+        Ok(())
     }
 
     fn retry(&mut self) -> Result<Flow, MachineFault> {
@@ -516,6 +681,20 @@ impl Machine {
             }
             Op::Fault(fault) => return Err((**fault).clone()),
             Op::Stop(reason) => return Ok(Flow::End(Step::Stopped(reason.clone()))),
+            Op::CallByName { arguments } => self.call_by_name(*arguments)?,
+            Op::Connect(routine) => self.connect(*routine)?,
+            Op::LoadInterruptNumber => {
+                let frames = self.memory.frames.iter().rev();
+                let number = frames.filter_map(|f| f.interrupt).next().unwrap_or(0);
+                self.push(Value::Num(number as f32));
+            }
+            Op::EndUndo => {
+                self.memory.frames.pop();
+                match self.unwinding.take() {
+                    Some((error, height)) => return Ok(self.unwind(error, height)),
+                    None => return Ok(Flow::End(Step::Finished)),
+                }
+            }
             Op::CallBuiltin { .. } | Op::Raise | Op::Reraise | Op::RaiseError(_) => {
                 unreachable!("handled by the loop")
             }
@@ -594,6 +773,10 @@ impl RobotTask for Machine {
     fn step(&mut self, system: &mut dyn System) -> Step {
         if let Some(step) = &self.ended {
             return step.clone();
+        }
+        if !self.memory.interrupts.connected.is_empty() {
+            self.watch(system);
+            self.begin_interrupt();
         }
         let program = Arc::clone(&self.program);
         let mut begun = false;
