@@ -6,7 +6,7 @@ use crate::execution::{RobotTask, RuntimeError, Step};
 use crate::memory::{Frame, Handling, Interrupt, Memory, PendingCall, Trigger, element};
 use crate::operators::{binary, unary};
 use crate::system::{ProgramLocation, System};
-use crate::{CallContext, MachineFault, Op, Outcome, Program, RaisedError, Reference, Root, Value};
+use crate::{BinaryOp, CallContext, MachineFault, Op, Outcome, Program, RaisedError, Reference, Root, Value};
 
 /// Runs a [`Program`], one statement a step. Cloning it is a snapshot of the whole task.
 #[derive(Debug, Clone)]
@@ -769,6 +769,116 @@ impl Machine {
     }
 }
 
+/// The operations of plain 32-bit arithmetic, which most loops consist of, without a call for each.
+/// Runs as many as there are from here on and stops, still before it, at the first that is not one of them or
+/// does not find plain numbers. Whether it ran any.
+fn run_plain(frame: &mut Frame, globals: &mut [Value], code: &[Op]) -> bool {
+    let begin = frame.pc;
+    let mut pc = frame.pc as usize;
+    let plain = |value: &Value| match value {
+        Value::Num(v) => Some(*v),
+        _ => None,
+    };
+    let result = loop {
+        match code.get(pc) {
+            Some(Op::LoadGlobal(slot)) => {
+                let Some(v) = plain(&globals[*slot as usize]) else {
+                    break pc;
+                };
+                frame.operands.push(Value::Num(v));
+            }
+            Some(Op::LoadLocal(slot)) => {
+                let Some(v) = plain(&frame.locals[*slot as usize]) else {
+                    break pc;
+                };
+                frame.operands.push(Value::Num(v));
+            }
+            Some(Op::Push(Value::Num(v))) => frame.operands.push(Value::Num(*v)),
+            Some(Op::StoreGlobal(slot)) => {
+                let (Some(Value::Num(v)), Value::Num(target)) =
+                    (frame.operands.last(), &mut globals[*slot as usize])
+                else {
+                    break pc;
+                };
+                *target = *v;
+                frame.operands.pop();
+            }
+            Some(Op::StoreLocal(slot)) => {
+                let (Some(Value::Num(v)), Value::Num(target)) =
+                    (frame.operands.last(), &mut frame.locals[*slot as usize])
+                else {
+                    break pc;
+                };
+                *target = *v;
+                frame.operands.pop();
+            }
+            Some(Op::Binary(op)) => {
+                let [.., Value::Num(left), Value::Num(right)] = frame.operands.as_mut_slice() else {
+                    break pc;
+                };
+                // Sum, difference and product of two f32 are the same rounded once from f64.
+                let (a, b) = (*left, *right);
+                let value = match op {
+                    BinaryOp::Add => Value::Num(a + b),
+                    BinaryOp::Subtract => Value::Num(a - b),
+                    BinaryOp::Multiply => Value::Num(a * b),
+                    BinaryOp::Less => Value::Bool(a < b),
+                    BinaryOp::LessOrEqual => Value::Bool(a <= b),
+                    BinaryOp::Greater => Value::Bool(a > b),
+                    BinaryOp::GreaterOrEqual => Value::Bool(a >= b),
+                    BinaryOp::Equal => Value::Bool(a == b),
+                    BinaryOp::NotEqual => Value::Bool(a != b),
+                    _ => break pc,
+                };
+                frame.operands.pop();
+                if let Some(top) = frame.operands.last_mut() {
+                    *top = value;
+                }
+            }
+            Some(Op::Jump(target)) => {
+                pc = *target as usize;
+                continue;
+            }
+            Some(Op::JumpIfFalse(target)) => {
+                let Some(Value::Bool(holds)) = frame.operands.last() else {
+                    break pc;
+                };
+                let holds = *holds;
+                frame.operands.pop();
+                if !holds {
+                    pc = *target as usize;
+                    continue;
+                }
+            }
+            Some(Op::ForTest { slot, exit }) => {
+                let at = *slot as usize;
+                let [Value::Num(value), Value::Num(end), Value::Num(step)] =
+                    &frame.locals[at..at + 3]
+                else {
+                    break pc;
+                };
+                let over = if *step > 0.0 { value > end } else { value < end };
+                if over {
+                    pc = *exit as usize;
+                    continue;
+                }
+            }
+            Some(Op::ForStep { slot }) => {
+                let at = *slot as usize;
+                let [Value::Num(value), _, Value::Num(step)] = &mut frame.locals[at..at + 3] else {
+                    break pc;
+                };
+                *value += *step;
+            }
+            _ => break pc,
+        }
+        pc += 1;
+    };
+    frame.pc = result as u32;
+    // A jump to itself alone would be no progress; there is none without a statement between.
+    frame.pc != begin
+}
+
 impl RobotTask for Machine {
     fn step(&mut self, system: &mut dyn System) -> Step {
         if let Some(step) = &self.ended {
@@ -807,6 +917,13 @@ impl RobotTask for Machine {
                 system.statement(&self.location);
                 continue;
             }
+            if run_plain(frame, &mut self.memory.globals, code) {
+                begun |= frame.line > 0;
+                continue;
+            }
+            let Some(op) = code.get(frame.pc as usize) else {
+                break Step::Finished;
+            };
             // In the middle of a statement: the next one waits for the next step. The code before the
             // first statement of a routine (initial values) belongs to the statement that called it.
             begun |= frame.line > 0;
