@@ -6,7 +6,9 @@ use crate::execution::{RobotTask, RuntimeError, Step};
 use crate::memory::{Frame, Handling, Interrupt, Memory, PendingCall, Trigger, element};
 use crate::operators::{binary, unary};
 use crate::system::{ProgramLocation, System};
-use crate::{BinaryOp, CallContext, MachineFault, Op, Outcome, Program, RaisedError, Reference, Root, Value};
+use crate::{
+    BinaryOp, CallContext, MachineFault, Op, Outcome, Program, RaisedError, Reference, Root, Value,
+};
 
 /// Runs a [`Program`], one statement a step. Cloning it is a snapshot of the whole task.
 #[derive(Debug, Clone)]
@@ -219,7 +221,9 @@ impl Machine {
                 // An error inside a handler has nowhere to go.
                 break;
             }
-            let handler = self.program.routines[frame.routine as usize].handler.as_ref();
+            let handler = self.program.routines[frame.routine as usize]
+                .handler
+                .as_ref();
             let takes = !give_up
                 && handler.is_some_and(|handler| {
                     handler
@@ -261,7 +265,9 @@ impl Machine {
             self.memory.frames.pop();
         }
         let frame = self.memory.frames.last_mut().expect("the taker is there");
-        let handler = self.program.routines[frame.routine as usize].handler.as_ref();
+        let handler = self.program.routines[frame.routine as usize]
+            .handler
+            .as_ref();
         frame.operands.clear();
         frame.pending = None;
         frame.wait_started = None;
@@ -387,17 +393,19 @@ impl Machine {
                 arguments.push(Value::Absent);
                 continue;
             }
-            arguments.push(match (given.next().unwrap_or_default(), parameter.by_reference) {
-                (Value::Reference(reference), false) => self.memory.read(&reference)?.clone(),
-                (Value::Reference(reference), true) => Value::Reference(reference),
-                (_, true) => {
-                    return Err(MachineFault::WrongCall {
-                        name,
-                        message: "a variable is needed, a value is given".into(),
-                    });
-                }
-                (value, false) => value,
-            });
+            arguments.push(
+                match (given.next().unwrap_or_default(), parameter.by_reference) {
+                    (Value::Reference(reference), false) => self.memory.read(&reference)?.clone(),
+                    (Value::Reference(reference), true) => Value::Reference(reference),
+                    (_, true) => {
+                        return Err(MachineFault::WrongCall {
+                            name,
+                            message: "a variable is needed, a value is given".into(),
+                        });
+                    }
+                    (value, false) => value,
+                },
+            );
         }
         let limit = self.program.rules.recursion_limit;
         if self.memory.frames.len() >= limit {
@@ -813,7 +821,8 @@ fn run_plain(frame: &mut Frame, globals: &mut [Value], code: &[Op]) -> bool {
                 frame.operands.pop();
             }
             Some(Op::Binary(op)) => {
-                let [.., Value::Num(left), Value::Num(right)] = frame.operands.as_mut_slice() else {
+                let [.., Value::Num(left), Value::Num(right)] = frame.operands.as_mut_slice()
+                else {
                     break pc;
                 };
                 // Sum, difference and product of two f32 are the same rounded once from f64.
@@ -857,7 +866,11 @@ fn run_plain(frame: &mut Frame, globals: &mut [Value], code: &[Op]) -> bool {
                 else {
                     break pc;
                 };
-                let over = if *step > 0.0 { value > end } else { value < end };
+                let over = if *step > 0.0 {
+                    value > end
+                } else {
+                    value < end
+                };
                 if over {
                     pc = *exit as usize;
                     continue;

@@ -37,7 +37,8 @@ fn main_of(statements: &str) -> String {
 
 #[test]
 fn the_operators_lines_are_all_of_stdout() {
-    let text = main_of("TPWrite \"one\";\nErrWrite \"head\", \"reason\";\nTPWrite \"two=\"\\Num:=2;");
+    let text =
+        main_of("TPWrite \"one\";\nErrWrite \"head\", \"reason\";\nTPWrite \"two=\"\\Num:=2;");
     let folder = folder("lines", &[("m.mod", &text)]);
     let output = depal(&folder, &["exec", "m.mod", "--no-kinematics"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -66,13 +67,20 @@ fn an_unhandled_error_names_its_innermost_place() {
 
 #[test]
 fn nothing_runs_with_an_undefined_signal_unless_it_is_made() {
-    let text = main_of("TPWrite \"begun\";\nSetDO do_pump, 1;\nWaitDI di_go, 1;\nTPWrite \"gone\";");
+    let text =
+        main_of("TPWrite \"begun\";\nSetDO do_pump, 1;\nWaitDI di_go, 1;\nTPWrite \"gone\";");
     let folder = folder("signals", &[("m.mod", &text)]);
     let output = depal(&folder, &["exec", "m.mod", "--no-kinematics"]);
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(stdout(&output), "");
     // Made, but never set: the program waits for what cannot come.
-    let arguments = ["exec", "m.mod", "--no-kinematics", "--auto-signals", "--json"];
+    let arguments = [
+        "exec",
+        "m.mod",
+        "--no-kinematics",
+        "--auto-signals",
+        "--json",
+    ];
     let document: serde_json::Value =
         serde_json::from_str(&stdout(&depal(&folder, &arguments))).expect("JSON");
     assert_eq!(document["end"], "idle");
@@ -139,7 +147,9 @@ fn check_gives_a_verdict_for_every_file() {
     assert_eq!(document["files"][0]["path"], "good.mod");
     assert_eq!(document["files"][0]["ok"], true);
     assert_eq!(document["files"][1]["ok"], false);
-    let found = document["files"][1]["diagnostics"].as_array().expect("a list");
+    let found = document["files"][1]["diagnostics"]
+        .as_array()
+        .expect("a list");
     assert_eq!(found.len(), 2, "{found:?}");
     assert_eq!(found[0]["line"], 4);
 }

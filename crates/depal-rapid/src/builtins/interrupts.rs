@@ -28,7 +28,10 @@ pub(super) const ENTRIES: [Entry; 11] = [
         "PROC ITimer(\\switch Single | switch SingleSafe, num Time, INOUT intnum Interrupt)",
         timer,
     ),
-    ("PROC IPers(INOUT anytype Name, INOUT intnum Interrupt)", change),
+    (
+        "PROC IPers(INOUT anytype Name, INOUT intnum Interrupt)",
+        change,
+    ),
     ("PROC IDelete(INOUT intnum Interrupt)", delete),
     ("PROC ISleep(INOUT intnum Interrupt)", sleep),
     ("PROC IWatch(INOUT intnum Interrupt)", watch),

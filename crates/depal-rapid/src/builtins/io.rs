@@ -79,9 +79,9 @@ const PULSE_LENGTHS: std::ops::RangeInclusive<f64> = 0.001..=2000.0;
 fn pulse(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let length = context.optional_number(1)?.unwrap_or(PULSE_LENGTH);
     if !PULSE_LENGTHS.contains(&length) {
-        return Err(context.argument_error(format!(
-            "\\PLength is {length} s, expected 0.001 to 2000"
-        )));
+        return Err(
+            context.argument_error(format!("\\PLength is {length} s, expected 0.001 to 2000"))
+        );
     }
     let signal = context.signal(2)?;
     let before = match system.signal(&signal) {

@@ -2,8 +2,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use depal_vm::{
-    CallParameter, Diagnostic, ErrorHandler, LanguageRules, Op, Program, Routine as Lowered, SourceFile, Span,
-    Value,
+    CallParameter, Diagnostic, ErrorHandler, LanguageRules, Op, Program, Routine as Lowered,
+    SourceFile, Span, Value,
 };
 
 use super::scope::*;
@@ -24,7 +24,13 @@ pub(crate) fn compile(
     table: &Table,
 ) -> (Program, Vec<Diagnostic>) {
     let any_signal = signals.is_none();
-    let compiler = run(files, modules, (signals.unwrap_or_default(), any_signal), entry, table);
+    let compiler = run(
+        files,
+        modules,
+        (signals.unwrap_or_default(), any_signal),
+        entry,
+        table,
+    );
     (compiler.program, compiler.diagnostics)
 }
 

@@ -68,7 +68,8 @@ pub(crate) struct RecordType {
 /// Types that are another name of a number or a string.
 pub(crate) fn simple_type(name: &str) -> Option<Type> {
     Some(match name {
-        "num" | "errnum" | "intnum" | "iodev" | "btnres" | "icondata" | "buttondata" | "socketstatus" | "byte" | "inttypes" | "opcalc" => Type::Num,
+        "num" | "errnum" | "intnum" | "iodev" | "btnres" | "icondata" | "buttondata"
+        | "socketstatus" | "byte" | "inttypes" | "opcalc" => Type::Num,
         "dnum" => Type::Dnum,
         "bool" => Type::Bool,
         "string" | "stringdig" => Type::Text,
