@@ -56,6 +56,7 @@ fn traps_queue_and_do_not_nest() {
 #[test]
 fn an_error_that_a_trap_does_not_handle_is_fatal() {
     let text = SIGNAL
+        .replace("MARK", "")
         .replace("TPWrite \"trap\";", "RAISE 5;")
         .replace("TPWrite \"over\";", "TPWrite \"over\";\n ERROR\n  TRYNEXT;");
     let (lines, end) = shown(&text, &[(0.5, 1.0)]);
