@@ -336,7 +336,9 @@ impl Cell {
                 ControllerEvent::MotionStopped { reason, .. } => EventKind::Message {
                     text: format!("motion stopped: {reason}"),
                 },
-                ControllerEvent::MoveReached { .. } | ControllerEvent::TaskEnded { .. } => continue,
+                ControllerEvent::MoveReached { .. }
+                | ControllerEvent::Answered { .. }
+                | ControllerEvent::TaskEnded { .. } => continue,
             };
             self.pending.push(kind);
         }
