@@ -60,7 +60,9 @@ impl Controller {
     pub fn tick(&mut self, now: SimTime, network: &mut dyn Network) {
         let end = now + TICK;
         self.cabinet.cursor = self.cabinet.cursor.max(now);
-        self.cabinet.looked.set(false);
+        // A move that ends within this cycle is seen by the program in the next one only.
+        let moving = !self.cabinet.motion.is_standing(now);
+        self.cabinet.looked.set(moving);
         self.cabinet.waiting = false;
         self.cabinet.change_due(end);
         if let Some(task) = &mut self.task {

@@ -207,10 +207,7 @@ fn connection(entry: &Entry) -> Result<CrossConnection, String> {
             "AND" => false,
             "OR" => true,
             other => {
-                return Err(format!(
-                    "-Oper{} is {other}, expected AND or OR",
-                    index - 1
-                ));
+                return Err(format!("-Oper{} is {other}, expected AND or OR", index - 1));
             }
         });
         let inverted = flag(&format!("act{index}_invert"));

@@ -101,7 +101,11 @@ impl Mechanism {
         }
     }
 
-    pub fn inverse(&self, base_from_flange: &Pose, near: &JointPositions) -> Option<JointPositions> {
+    pub fn inverse(
+        &self,
+        base_from_flange: &Pose,
+        near: &JointPositions,
+    ) -> Option<JointPositions> {
         match self {
             Self::Arm(arm, _) => arm.inverse_nearest(base_from_flange, near),
             Self::Free(_) => Some(free_inverse(base_from_flange)),

@@ -46,11 +46,13 @@ impl Sockets {
                 }
                 answer
             }
-            SocketState::Connected | SocketState::Bound | SocketState::Listening => Poll::Ready(Err(Fault::SocketState {
-                message: format!(
-                    "connecting to {address}:{port}: expected a created socket, it is in use"
-                ),
-            })),
+            SocketState::Connected | SocketState::Bound | SocketState::Listening => {
+                Poll::Ready(Err(Fault::SocketState {
+                    message: format!(
+                        "connecting to {address}:{port}: expected a created socket, it is in use"
+                    ),
+                }))
+            }
             SocketState::Closed => Poll::Ready(Err(Fault::SocketClosed)),
         }
     }

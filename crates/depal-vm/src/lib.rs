@@ -33,7 +33,7 @@
 //! Units: times are simulated times; numbers wear the units of their language (millimetres and degrees in
 //! most), the built-ins of the language crate convert to SI at the [`System`](system::System) border.
 //!
-//! Limitations: one task, no interrupts yet; a statement is the smallest step.
+//! Limitations: one task; a statement is the smallest step.
 
 mod builtin;
 mod diagnostic;
@@ -51,9 +51,9 @@ pub use builtin::{Builtin, BuiltinFn, CallContext, Outcome};
 pub use diagnostic::{Diagnostic, Label, Severity};
 pub use error::{MachineFault, RaisedError};
 pub use machine::Machine;
-pub use memory::{Frame, Memory};
+pub use memory::{Frame, Interrupt, Interrupts, Memory, Trigger};
 pub use operators::{BinaryOp, UnaryOp};
-pub use program::{ErrorHandler, LanguageRules, Op, Program, Routine};
+pub use program::{CallParameter, ErrorHandler, LanguageRules, Op, Program, Routine};
 pub use span::{LineColumn, SourceFile, Span};
 pub use value::{ClockState, RAW_BYTES_LIMIT, RawBytes, Reference, Root, Value};
 

@@ -3,10 +3,12 @@ use std::sync::Arc;
 use depal_time::SimTime;
 
 use crate::execution::{RobotTask, RuntimeError, Step};
-use crate::memory::{Frame, Handling, Memory, PendingCall, element};
+use crate::memory::{Frame, Handling, Interrupt, Memory, PendingCall, Trigger, element};
 use crate::operators::{binary, unary};
 use crate::system::{ProgramLocation, System};
-use crate::{CallContext, MachineFault, Op, Outcome, Program, RaisedError, Reference, Root, Value};
+use crate::{
+    BinaryOp, CallContext, MachineFault, Op, Outcome, Program, RaisedError, Reference, Root, Value,
+};
 
 /// Runs a [`Program`], one statement a step. Cloning it is a snapshot of the whole task.
 #[derive(Debug, Clone)]
@@ -18,6 +20,8 @@ pub struct Machine {
     last_error: i64,
     ended: Option<Step>,
     single_cycle: bool,
+    /// An error on its way through UNDO clauses to the frame of this height.
+    unwinding: Option<(RaisedError, usize)>,
 }
 
 /// What an operation asks of the loop around it.
@@ -45,6 +49,7 @@ impl Machine {
             last_error: 0,
             ended: None,
             single_cycle: false,
+            unwinding: None,
         };
         machine.begin();
         if let Some(initializer) = machine.program.initializer {
@@ -210,14 +215,17 @@ impl Machine {
         };
         self.last_error = error.number;
         let mut give_up = from_handler;
-        while let Some(frame) = self.memory.frames.last_mut() {
-            let routine = &self.program.routines[frame.routine as usize];
+        let mut taker = None;
+        for (height, frame) in self.memory.frames.iter().enumerate().rev() {
             if frame.handling.is_some() && !give_up {
                 // An error inside a handler has nowhere to go.
                 break;
             }
+            let handler = self.program.routines[frame.routine as usize]
+                .handler
+                .as_ref();
             let takes = !give_up
-                && routine.handler.as_ref().is_some_and(|handler| {
+                && handler.is_some_and(|handler| {
                     handler
                         .numbers
                         .as_ref()
@@ -225,21 +233,186 @@ impl Machine {
                 });
             give_up = false;
             if takes {
-                let entry = routine.handler.as_ref().map_or(0, |handler| handler.entry);
+                taker = Some(height);
+                break;
+            }
+            if frame.interrupt.is_some() {
+                // What an interrupt's routine does not handle stops the program.
+                break;
+            }
+        }
+        match taker {
+            Some(height) => self.unwind(error, height),
+            None => Flow::End(Step::Failed(failure)),
+        }
+    }
+
+    /// Leaves all routines above the one that handles the error; each runs its UNDO clause first.
+    fn unwind(&mut self, error: RaisedError, height: usize) -> Flow {
+        while self.memory.frames.len() > height + 1 {
+            let frame = self.memory.frames.last_mut().expect("just counted");
+            let undo = self.program.routines[frame.routine as usize].undo;
+            if let (Some(undo), false) = (undo, frame.undoing) {
+                frame.undoing = true;
                 frame.operands.clear();
                 frame.pending = None;
                 frame.wait_started = None;
-                frame.handling = Some(Handling {
-                    error,
-                    retry: frame.statement,
-                    next: frame.next,
-                });
-                frame.pc = entry;
+                frame.handling = None;
+                frame.pc = undo;
+                self.unwinding = Some((error, height));
                 return Flow::Next;
             }
             self.memory.frames.pop();
         }
-        Flow::End(Step::Failed(failure))
+        let frame = self.memory.frames.last_mut().expect("the taker is there");
+        let handler = self.program.routines[frame.routine as usize]
+            .handler
+            .as_ref();
+        frame.operands.clear();
+        frame.pending = None;
+        frame.wait_started = None;
+        frame.handling = Some(Handling {
+            error,
+            retry: frame.statement,
+            next: frame.next,
+        });
+        frame.pc = handler.map_or(0, |handler| handler.entry);
+        Flow::Next
+    }
+
+    /// Looks at what orders interrupts, and queues those whose time has come.
+    fn watch(&mut self, system: &mut dyn System) {
+        let Memory {
+            globals,
+            frames,
+            interrupts,
+            ..
+        } = &mut self.memory;
+        let mut over = Vec::new();
+        for interrupt in &mut interrupts.connected {
+            let fired = match &mut interrupt.trigger {
+                Trigger::None => false,
+                Trigger::Signal { name, wanted, last } => {
+                    let value = system.signal(name).unwrap_or(*last);
+                    let changed = value != *last;
+                    *last = value;
+                    changed && wanted.is_none_or(|wanted| wanted == value)
+                }
+                Trigger::Timer { period, due } => {
+                    let passed = system.now() >= *due;
+                    if passed {
+                        *due += *period;
+                    }
+                    passed
+                }
+                Trigger::Change { variable, last } => {
+                    let value = Memory::find(globals, frames, variable).unwrap_or(&Value::Absent);
+                    let changed = value != last;
+                    if changed {
+                        *last = value.clone();
+                    }
+                    changed
+                }
+            };
+            if fired && !interrupt.asleep {
+                interrupts.queued.push_back(interrupt.number);
+                if interrupt.once {
+                    over.push(interrupt.number);
+                }
+            }
+        }
+        for number in over {
+            if let Some(interrupt) = interrupts.find(number) {
+                interrupt.trigger = Trigger::None;
+            }
+        }
+    }
+
+    /// Begins the routine of the next queued interrupt, unless one runs or they are held back.
+    fn begin_interrupt(&mut self) {
+        let busy = self.memory.frames.iter().any(|f| f.interrupt.is_some());
+        let interrupts = &mut self.memory.interrupts;
+        if busy || interrupts.disabled {
+            return;
+        }
+        while let Some(number) = interrupts.queued.pop_front() {
+            if let Some(routine) = interrupts.find(number).map(|i| i.routine) {
+                self.push_frame(routine, Vec::new());
+                self.frame().interrupt = Some(number);
+                return;
+            }
+        }
+    }
+
+    fn connect(&mut self, routine: u32) -> Result<(), MachineFault> {
+        let reference = self.pop_reference()?;
+        let interrupts = &mut self.memory.interrupts;
+        interrupts.given += 1;
+        let number = interrupts.given;
+        interrupts.connected.push(Interrupt {
+            number,
+            routine,
+            trigger: Trigger::None,
+            once: false,
+            asleep: false,
+        });
+        self.memory.write(&reference, Value::Num(number as f32))
+    }
+
+    fn call_by_name(&mut self, count: u32) -> Result<(), MachineFault> {
+        let mut given = self.pop_many(count).into_iter();
+        let Value::Str(name) = self.pop() else {
+            return Err(MachineFault::Argument {
+                message: "the name of a procedure is a string".into(),
+            });
+        };
+        let (module, wanted) = match name.split_once(':') {
+            Some((module, wanted)) => (Some(module), wanted),
+            None => (None, name.as_str()),
+        };
+        let program = Arc::clone(&self.program);
+        let found = program.routines.iter().position(|routine| {
+            routine.callable.is_some()
+                && routine.name.eq_ignore_ascii_case(wanted)
+                && module.is_none_or(|module| routine.module.eq_ignore_ascii_case(module))
+        });
+        let Some(index) = found else {
+            return Err(MachineFault::UnknownRoutine { name });
+        };
+        let parameters = program.routines[index].callable.iter().flatten();
+        let needed = parameters.clone().filter(|p| !p.optional).count();
+        if needed != count as usize {
+            return Err(MachineFault::WrongCall {
+                name,
+                message: format!("it needs {needed}, {count} are given"),
+            });
+        }
+        let mut arguments = Vec::new();
+        for parameter in parameters {
+            if parameter.optional {
+                arguments.push(Value::Absent);
+                continue;
+            }
+            arguments.push(
+                match (given.next().unwrap_or_default(), parameter.by_reference) {
+                    (Value::Reference(reference), false) => self.memory.read(&reference)?.clone(),
+                    (Value::Reference(reference), true) => Value::Reference(reference),
+                    (_, true) => {
+                        return Err(MachineFault::WrongCall {
+                            name,
+                            message: "a variable is needed, a value is given".into(),
+                        });
+                    }
+                    (value, false) => value,
+                },
+            );
+        }
+        let limit = self.program.rules.recursion_limit;
+        if self.memory.frames.len() >= limit {
+            return Err(MachineFault::RecursionLimit { limit });
+        }
+        self.push_frame(index as u32, arguments);
+        Ok(())
     }
 
     fn retry(&mut self) -> Result<Flow, MachineFault> {
@@ -516,6 +689,20 @@ impl Machine {
             }
             Op::Fault(fault) => return Err((**fault).clone()),
             Op::Stop(reason) => return Ok(Flow::End(Step::Stopped(reason.clone()))),
+            Op::CallByName { arguments } => self.call_by_name(*arguments)?,
+            Op::Connect(routine) => self.connect(*routine)?,
+            Op::LoadInterruptNumber => {
+                let frames = self.memory.frames.iter().rev();
+                let number = frames.filter_map(|f| f.interrupt).next().unwrap_or(0);
+                self.push(Value::Num(number as f32));
+            }
+            Op::EndUndo => {
+                self.memory.frames.pop();
+                match self.unwinding.take() {
+                    Some((error, height)) => return Ok(self.unwind(error, height)),
+                    None => return Ok(Flow::End(Step::Finished)),
+                }
+            }
             Op::CallBuiltin { .. } | Op::Raise | Op::Reraise | Op::RaiseError(_) => {
                 unreachable!("handled by the loop")
             }
@@ -590,10 +777,129 @@ impl Machine {
     }
 }
 
+/// The operations of plain 32-bit arithmetic, which most loops consist of, without a call for each.
+/// Runs as many as there are from here on and stops, still before it, at the first that is not one of them or
+/// does not find plain numbers. Whether it ran any.
+fn run_plain(frame: &mut Frame, globals: &mut [Value], code: &[Op]) -> bool {
+    let begin = frame.pc;
+    let mut pc = frame.pc as usize;
+    let plain = |value: &Value| match value {
+        Value::Num(v) => Some(*v),
+        _ => None,
+    };
+    let result = loop {
+        match code.get(pc) {
+            Some(Op::LoadGlobal(slot)) => {
+                let Some(v) = plain(&globals[*slot as usize]) else {
+                    break pc;
+                };
+                frame.operands.push(Value::Num(v));
+            }
+            Some(Op::LoadLocal(slot)) => {
+                let Some(v) = plain(&frame.locals[*slot as usize]) else {
+                    break pc;
+                };
+                frame.operands.push(Value::Num(v));
+            }
+            Some(Op::Push(Value::Num(v))) => frame.operands.push(Value::Num(*v)),
+            Some(Op::StoreGlobal(slot)) => {
+                let (Some(Value::Num(v)), Value::Num(target)) =
+                    (frame.operands.last(), &mut globals[*slot as usize])
+                else {
+                    break pc;
+                };
+                *target = *v;
+                frame.operands.pop();
+            }
+            Some(Op::StoreLocal(slot)) => {
+                let (Some(Value::Num(v)), Value::Num(target)) =
+                    (frame.operands.last(), &mut frame.locals[*slot as usize])
+                else {
+                    break pc;
+                };
+                *target = *v;
+                frame.operands.pop();
+            }
+            Some(Op::Binary(op)) => {
+                let [.., Value::Num(left), Value::Num(right)] = frame.operands.as_mut_slice()
+                else {
+                    break pc;
+                };
+                // Sum, difference and product of two f32 are the same rounded once from f64.
+                let (a, b) = (*left, *right);
+                let value = match op {
+                    BinaryOp::Add => Value::Num(a + b),
+                    BinaryOp::Subtract => Value::Num(a - b),
+                    BinaryOp::Multiply => Value::Num(a * b),
+                    BinaryOp::Less => Value::Bool(a < b),
+                    BinaryOp::LessOrEqual => Value::Bool(a <= b),
+                    BinaryOp::Greater => Value::Bool(a > b),
+                    BinaryOp::GreaterOrEqual => Value::Bool(a >= b),
+                    BinaryOp::Equal => Value::Bool(a == b),
+                    BinaryOp::NotEqual => Value::Bool(a != b),
+                    _ => break pc,
+                };
+                frame.operands.pop();
+                if let Some(top) = frame.operands.last_mut() {
+                    *top = value;
+                }
+            }
+            Some(Op::Jump(target)) => {
+                pc = *target as usize;
+                continue;
+            }
+            Some(Op::JumpIfFalse(target)) => {
+                let Some(Value::Bool(holds)) = frame.operands.last() else {
+                    break pc;
+                };
+                let holds = *holds;
+                frame.operands.pop();
+                if !holds {
+                    pc = *target as usize;
+                    continue;
+                }
+            }
+            Some(Op::ForTest { slot, exit }) => {
+                let at = *slot as usize;
+                let [Value::Num(value), Value::Num(end), Value::Num(step)] =
+                    &frame.locals[at..at + 3]
+                else {
+                    break pc;
+                };
+                let over = if *step > 0.0 {
+                    value > end
+                } else {
+                    value < end
+                };
+                if over {
+                    pc = *exit as usize;
+                    continue;
+                }
+            }
+            Some(Op::ForStep { slot }) => {
+                let at = *slot as usize;
+                let [Value::Num(value), _, Value::Num(step)] = &mut frame.locals[at..at + 3] else {
+                    break pc;
+                };
+                *value += *step;
+            }
+            _ => break pc,
+        }
+        pc += 1;
+    };
+    frame.pc = result as u32;
+    // A jump to itself alone would be no progress; there is none without a statement between.
+    frame.pc != begin
+}
+
 impl RobotTask for Machine {
     fn step(&mut self, system: &mut dyn System) -> Step {
         if let Some(step) = &self.ended {
             return step.clone();
+        }
+        if !self.memory.interrupts.connected.is_empty() {
+            self.watch(system);
+            self.begin_interrupt();
         }
         let program = Arc::clone(&self.program);
         let mut begun = false;
@@ -624,6 +930,13 @@ impl RobotTask for Machine {
                 system.statement(&self.location);
                 continue;
             }
+            if run_plain(frame, &mut self.memory.globals, code) {
+                begun |= frame.line > 0;
+                continue;
+            }
+            let Some(op) = code.get(frame.pc as usize) else {
+                break Step::Finished;
+            };
             // In the middle of a statement: the next one waits for the next step. The code before the
             // first statement of a routine (initial values) belongs to the statement that called it.
             begun |= frame.line > 0;

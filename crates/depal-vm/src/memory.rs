@@ -1,6 +1,6 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
-use depal_time::SimTime;
+use depal_time::{SimDuration, SimTime};
 
 use crate::system::SocketId;
 use crate::{MachineFault, RaisedError, Reference, Root, Value};
@@ -19,6 +19,71 @@ pub(crate) struct Handling {
     pub(crate) error: RaisedError,
     pub(crate) retry: u32,
     pub(crate) next: u32,
+}
+
+/// What orders an interrupt.
+#[derive(Debug, Clone)]
+pub enum Trigger {
+    /// Nothing yet: connected to its routine only.
+    None,
+    /// A signal changes.
+    Signal {
+        /// The signal.
+        name: String,
+        /// To this value; `None` for any change.
+        wanted: Option<f64>,
+        /// Its value when it was last looked at.
+        last: f64,
+    },
+    /// Time passes.
+    Timer {
+        /// From one to the next.
+        period: SimDuration,
+        /// The next.
+        due: SimTime,
+    },
+    /// A variable changes.
+    Change {
+        /// The variable.
+        variable: Reference,
+        /// Its value when it was last looked at.
+        last: Value,
+    },
+}
+
+/// An interrupt that a program has connected with a routine.
+#[derive(Debug, Clone)]
+pub struct Interrupt {
+    /// Its number, from 1.
+    pub number: u32,
+    /// Index of the routine that runs.
+    pub routine: u32,
+    /// What orders it.
+    pub trigger: Trigger,
+    /// Only the first time.
+    pub once: bool,
+    /// Put to sleep: what happens meanwhile is lost.
+    pub asleep: bool,
+}
+
+/// The interrupts of a task. Their routines run between statements and inside waits, one after the other.
+#[derive(Debug, Clone, Default)]
+pub struct Interrupts {
+    /// All that are connected, in the order of their numbers.
+    pub connected: Vec<Interrupt>,
+    /// Numbers of those whose routine has not run yet.
+    pub queued: VecDeque<u32>,
+    /// Held back: they are queued.
+    pub disabled: bool,
+    /// How many were ever connected.
+    pub(crate) given: u32,
+}
+
+impl Interrupts {
+    /// The interrupt of this number.
+    pub fn find(&mut self, number: u32) -> Option<&mut Interrupt> {
+        self.connected.iter_mut().find(|i| i.number == number)
+    }
 }
 
 /// A routine being run.
@@ -40,6 +105,10 @@ pub struct Frame {
     pub(crate) handling: Option<Handling>,
     pub(crate) retries: u32,
     pub(crate) retried_statement: Option<u32>,
+    /// Number of the interrupt whose routine this is.
+    pub(crate) interrupt: Option<u32>,
+    /// Whether its UNDO clause runs.
+    pub(crate) undoing: bool,
 }
 
 /// All data of a running program.
@@ -53,15 +122,25 @@ pub struct Memory {
     pub modal: BTreeMap<&'static str, f64>,
     /// Bytes taken from a socket and put back, to be read first.
     pub unread: BTreeMap<SocketId, Vec<u8>>,
+    /// Interrupts.
+    pub interrupts: Interrupts,
 }
 
 impl Memory {
     /// What a reference refers to. An absent optional parameter is a fault.
     pub fn read(&self, reference: &Reference) -> Result<&Value, MachineFault> {
+        Self::find(&self.globals, &self.frames, reference).ok_or(MachineFault::NotPresent)
+    }
+
+    /// As [`read`](Self::read), from the parts of a memory.
+    pub(crate) fn find<'a>(
+        globals: &'a [Value],
+        frames: &'a [Frame],
+        reference: &Reference,
+    ) -> Option<&'a Value> {
         let mut value = match reference.root {
-            Root::Global(slot) => self.globals.get(slot as usize),
-            Root::Local { frame, slot } => self
-                .frames
+            Root::Global(slot) => globals.get(slot as usize),
+            Root::Local { frame, slot } => frames
                 .get(frame as usize)
                 .and_then(|f| f.locals.get(slot as usize)),
         };
@@ -71,10 +150,7 @@ impl Memory {
                 _ => None,
             };
         }
-        match value {
-            Some(Value::Absent) | None => Err(MachineFault::NotPresent),
-            Some(value) => Ok(value),
-        }
+        value.filter(|value| value.is_present())
     }
 
     /// The variable that a reference refers to.

@@ -91,6 +91,17 @@ pub enum Op {
         /// Number of parameters.
         arguments: u32,
     },
+    /// Takes this many arguments (references or values), then a string, and calls the procedure of that name.
+    CallByName {
+        /// Number of arguments.
+        arguments: u32,
+    },
+    /// Takes a reference and connects a new interrupt, whose number it assigns, with a routine.
+    Connect(u32),
+    /// Puts the number of the interrupt being served (0 if none is).
+    LoadInterruptNumber,
+    /// The end of an UNDO clause.
+    EndUndo,
     /// Calls a built-in with the top `arguments` values. It may block; it is asked again with the same arguments.
     CallBuiltin {
         /// Index in the program's table.
@@ -142,6 +153,15 @@ pub struct ErrorHandler {
     pub numbers: Option<Vec<i64>>,
 }
 
+/// What a call by name must know of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CallParameter {
+    /// Takes a variable.
+    pub by_reference: bool,
+    /// May be left out.
+    pub optional: bool,
+}
+
 /// A routine, ready to run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Routine {
@@ -157,6 +177,10 @@ pub struct Routine {
     pub code: Vec<Op>,
     /// The error clause.
     pub handler: Option<ErrorHandler>,
+    /// Where the clause begins that runs when an error leaves the routine.
+    pub undo: Option<u32>,
+    /// Parameters, if it can be called by name.
+    pub callable: Option<Vec<CallParameter>>,
 }
 
 /// What differs between languages.

@@ -199,8 +199,7 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>), Failure> {
     }
     let known: Vec<_> = io.signals.iter().map(definition).collect();
     let loaded = if args.auto_signals {
-        let (loaded, added) =
-            depal_rapid::load_with_auto_signals(&sources, &known, &args.entry);
+        let (loaded, added) = depal_rapid::load_with_auto_signals(&sources, &known, &args.entry);
         io.signals.extend(added.iter().map(auto_signal));
         loaded
     } else {

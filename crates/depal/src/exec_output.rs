@@ -169,10 +169,7 @@ impl Output {
 }
 
 fn place(location: &ProgramLocation) -> String {
-    format!(
-        "{}/{}:{}",
-        location.module, location.routine, location.line
-    )
+    format!("{}/{}:{}", location.module, location.routine, location.line)
 }
 
 /// One line of the trace: `t_s`, `event`, and what belongs to it.

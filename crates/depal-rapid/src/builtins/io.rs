@@ -6,13 +6,18 @@ use crate::errors::error;
 
 type Ran = Result<Outcome, RaisedError>;
 
-pub(super) const ENTRIES: [Entry; 15] = [
+pub(super) const ENTRIES: [Entry; 17] = [
     (
         "PROC SetDO(\\switch Sync, signaldo Signal, num Value)",
         set_do,
     ),
     ("PROC SetGO(signalgo Signal, numeric Value)", set_value),
     ("PROC SetAO(signalao Signal, num Value)", set_value),
+    (
+        "PROC PulseDO(\\switch High \\num PLength, signaldo Signal)",
+        pulse,
+    ),
+    ("PROC InvertDO(signaldo Signal)", invert),
     ("PROC Set(signaldo Signal)", set),
     ("PROC Reset(signaldo Signal)", reset),
     (
@@ -64,6 +69,44 @@ fn set(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
 
 fn reset(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     write(context, system, 0, 0.0)
+}
+
+/// Seconds of a pulse unless told otherwise, and the least and most that can be told.
+const PULSE_LENGTH: f64 = 0.2;
+const PULSE_LENGTHS: std::ops::RangeInclusive<f64> = 0.001..=2000.0;
+
+/// Inverts the output for a time; with \\High it is 1 for that time, whatever it was. The program goes on at once.
+fn pulse(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let length = context.optional_number(1)?.unwrap_or(PULSE_LENGTH);
+    if !PULSE_LENGTHS.contains(&length) {
+        return Err(
+            context.argument_error(format!("\\PLength is {length} s, expected 0.001 to 2000"))
+        );
+    }
+    let signal = context.signal(2)?;
+    let before = match system.signal(&signal) {
+        Ok(value) => value,
+        Err(fault) => return Err(context.system_fault(fault)),
+    };
+    let (during, after) = if context.is_given(0) {
+        (1.0, 0.0)
+    } else {
+        (1.0 - before, before)
+    };
+    let length = depal_time::SimDuration::from_secs_f64(length);
+    let set = system.set_signal(&signal, during);
+    match set.and_then(|()| system.set_signal_later(&signal, after, length)) {
+        Ok(()) => Ok(Outcome::Done(Value::Absent)),
+        Err(fault) => Err(context.system_fault(fault)),
+    }
+}
+
+fn invert(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let signal = context.signal(0)?;
+    match system.signal(&signal) {
+        Ok(value) => write(context, system, 0, 1.0 - value),
+        Err(fault) => Err(context.system_fault(fault)),
+    }
 }
 
 fn read(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {

@@ -1,10 +1,12 @@
 //! Instructions and functions of the controller, by theme. Each is a heading in RAPID and its code.
 
 mod geometry;
+mod interrupts;
 mod io;
 mod maths;
 mod messages;
 mod motion;
+mod operator;
 mod rawbytes;
 mod records;
 mod socket;

@@ -8,7 +8,7 @@ use crate::errors::error;
 
 type Ran = Result<Outcome, RaisedError>;
 
-pub(super) const ENTRIES: [Entry; 6] = [
+pub(super) const ENTRIES: [Entry; 9] = [
     (
         "PROC SocketCreate(INOUT socketdev Socket \\switch UDP)",
         create,
@@ -24,6 +24,15 @@ pub(super) const ENTRIES: [Entry; 6] = [
     (
         "PROC SocketReceive(INOUT socketdev Socket \\INOUT string Str | INOUT rawbytes RawData | INOUT num Data{*} \\num ReadNoOfBytes \\INOUT num NoRecBytes \\num Time)",
         receive,
+    ),
+    (
+        "PROC SocketBind(INOUT socketdev Socket, string LocalAddress, num LocalPort)",
+        bind,
+    ),
+    ("PROC SocketListen(INOUT socketdev Socket)", listen),
+    (
+        "PROC SocketAccept(INOUT socketdev Socket, INOUT socketdev ClientSocket \\INOUT string ClientAddress \\num Time)",
+        accept,
     ),
     ("PROC SocketClose(INOUT socketdev Socket)", close),
     ("FUNC num SocketGetStatus(INOUT socketdev Socket)", status),
@@ -96,6 +105,47 @@ fn connect(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
             }
             Ok(Outcome::Blocked)
         }
+    }
+}
+
+fn bind(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let id = socket(context)?;
+    let port = context.number(2)?;
+    if port.fract() != 0.0 || !(1.0..=65_535.0).contains(&port) {
+        return Err(context.argument_error(format!("{port} is no port; 1 to 65535 are")));
+    }
+    match system.socket_bind(id, &context.string(1)?, port as u16) {
+        Ok(()) => done(),
+        Err(fault) => Err(context.system_fault(fault)),
+    }
+}
+
+fn listen(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let id = socket(context)?;
+    match system.socket_listen(id) {
+        Ok(()) => done(),
+        Err(fault) => Err(context.system_fault(fault)),
+    }
+}
+
+fn accept(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let id = socket(context)?;
+    match system.socket_accept(id) {
+        Poll::Ready(Ok((client, peer))) => {
+            context.assign(1, Value::Socket(Some(client)))?;
+            if context.is_given(2) {
+                context.assign(2, Value::Str(peer))?;
+            }
+            done()
+        }
+        Poll::Ready(Err(fault)) => Err(context.system_fault(fault)),
+        Poll::Pending => match timed_out(context, system, 3)? {
+            Some(limit) => Err(error(
+                "ERR_SOCK_TIMEOUT",
+                format!("nobody connected within {limit} s"),
+            )),
+            None => Ok(Outcome::Blocked),
+        },
     }
 }
 

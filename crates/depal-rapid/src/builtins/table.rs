@@ -1,6 +1,8 @@
 use depal_vm::{Builtin, BuiltinFn};
 
-use super::{geometry, io, maths, messages, motion, rawbytes, socket, strings, timing};
+use super::{
+    geometry, interrupts, io, maths, messages, motion, operator, rawbytes, socket, strings, timing,
+};
 use crate::syntax::parser::parse_heading;
 use crate::syntax::tree::Routine;
 
@@ -19,7 +21,7 @@ const LOWERED: [(&str, Callee); 2] = [
 ];
 
 /// Names of the controller that are known and refused with a clear message.
-const REFUSED: [&str; 92] = [
+const REFUSED: [&str; 72] = [
     "MoveC",
     "MoveLDO",
     "MoveJDO",
@@ -43,29 +45,13 @@ const REFUSED: [&str; 92] = [
     "StorePath",
     "RestoPath",
     "StepBwdPath",
-    "PulseDO",
-    "InvertDO",
     "WaitAI",
     "WaitAO",
     "AliasIO",
     "IODisable",
     "IOEnable",
-    "ISignalDI",
-    "ISignalDO",
-    "ISignalGI",
-    "ISignalGO",
-    "ITimer",
-    "IPers",
     "IError",
-    "IDelete",
-    "IDisable",
-    "IEnable",
-    "ISleep",
-    "IWatch",
     "IPathPos",
-    "SocketBind",
-    "SocketListen",
-    "SocketAccept",
     "SocketSendTo",
     "SocketReceiveFrom",
     "SocketPeek",
@@ -84,15 +70,11 @@ const REFUSED: [&str; 92] = [
     "ReadAnyBin",
     "Rewind",
     "ClearIOBuff",
-    "UIMsgBox",
     "UIMessageBox",
-    "UINumEntry",
     "UINumTune",
     "UIAlphaEntry",
     "UIListView",
     "UIShow",
-    "TPReadFK",
-    "TPReadNum",
     "TPReadDnum",
     "TPShow",
     "WaitSyncTask",
@@ -135,7 +117,9 @@ pub fn built_in_names() -> Vec<&'static str> {
 }
 
 fn entries() -> Vec<Entry> {
-    let themes: [&[Entry]; 9] = [
+    let themes: [&[Entry]; 11] = [
+        &interrupts::ENTRIES,
+        &operator::ENTRIES,
         &motion::ENTRIES,
         &geometry::ENTRIES,
         &io::ENTRIES,

@@ -2,13 +2,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use depal_vm::{
-    Diagnostic, ErrorHandler, LanguageRules, Op, Program, Routine as Lowered, SourceFile, Span,
-    Value,
+    CallParameter, Diagnostic, ErrorHandler, LanguageRules, Op, Program, Routine as Lowered,
+    SourceFile, Span, Value,
 };
 
 use super::scope::*;
 use super::types::{REFUSED_TYPES, RecordType, SignalKind, Type, simple_type};
 use crate::builtins::Table;
+use crate::errors;
 use crate::syntax::tree::*;
 
 /// Largest array that a program may declare, in elements.
@@ -23,7 +24,13 @@ pub(crate) fn compile(
     table: &Table,
 ) -> (Program, Vec<Diagnostic>) {
     let any_signal = signals.is_none();
-    let compiler = run(files, modules, (signals.unwrap_or_default(), any_signal), entry, table);
+    let compiler = run(
+        files,
+        modules,
+        (signals.unwrap_or_default(), any_signal),
+        entry,
+        table,
+    );
     (compiler.program, compiler.diagnostics)
 }
 
@@ -445,7 +452,10 @@ impl Compiler<'_> {
                 let signature = Rc::new(self.signature(routine));
                 let symbol = Symbol::Routine(RoutineSymbol {
                     signature,
-                    callee: Callee::Routine(index),
+                    callee: match routine.kind {
+                        RoutineKind::Trap => Callee::Trap(index),
+                        _ => Callee::Routine(index),
+                    },
                     span: routine.name.span,
                 });
                 self.declare(module, routine.local, &routine.name, symbol);
@@ -477,7 +487,7 @@ impl Compiler<'_> {
                 line: 1,
                 locals: body.locals,
                 code: body.code,
-                handler: None,
+                ..Lowered::default()
             });
         }
     }
@@ -541,17 +551,6 @@ impl Compiler<'_> {
     }
 
     fn routine(&mut self, routine: &Routine, index: u32, module_name: &str) {
-        if routine.kind == RoutineKind::Trap {
-            self.error(Diagnostic::error(
-                "RAPID0020",
-                routine.name.span,
-                format!(
-                    "TRAP {}: interrupts are not supported yet",
-                    routine.name.text
-                ),
-            ));
-            return;
-        }
         let signature = self.signature_of(routine);
         self.body = Body {
             result: signature.result.clone(),
@@ -602,7 +601,31 @@ impl Compiler<'_> {
                     })
                     .collect()
             });
-            ErrorHandler { entry, numbers }
+            let numbers: Option<Vec<i64>> = numbers;
+            let all = errors::error("LONG_JMP_ALL_ERR", "").number;
+            ErrorHandler {
+                entry,
+                numbers: numbers.filter(|numbers| !numbers.contains(&all)),
+            }
+        });
+        self.body.in_handler = false;
+        let undo = routine.undo.as_ref().map(|body| {
+            let entry = self.here();
+            self.statements(body);
+            self.emit(Op::EndUndo);
+            entry
+        });
+        if let Some(body) = &routine.backward {
+            // Checked like the rest; nothing jumps here.
+            self.statements(body);
+            self.emit(Op::Return { value: false });
+        }
+        let callable = (routine.kind == RoutineKind::Procedure).then(|| {
+            let parameter = |p: &ParameterType| CallParameter {
+                by_reference: p.mode != Mode::Value,
+                optional: p.optional,
+            };
+            signature.parameters.iter().map(parameter).collect()
         });
         self.resolve_gotos();
         let body = std::mem::take(&mut self.body);
@@ -613,6 +636,8 @@ impl Compiler<'_> {
             locals: body.locals,
             code: body.code,
             handler,
+            undo,
+            callable,
         };
     }
 

@@ -149,6 +149,10 @@ impl Compiler<'_> {
                 self.emit(Op::LoadErrorNumber);
                 Type::Num
             }
+            None if key == "intno" => {
+                self.emit(Op::LoadInterruptNumber);
+                Type::Num
+            }
             None => self.signal_or_unknown(name, &key, span),
         }
     }
@@ -645,7 +649,7 @@ impl Compiler<'_> {
                 arguments: count,
                 result: true,
             }),
-            Callee::WaitUntil | Callee::ResetRetryCount => 0,
+            Callee::WaitUntil | Callee::ResetRetryCount | Callee::Trap(_) => 0,
         };
         result
     }

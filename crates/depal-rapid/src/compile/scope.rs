@@ -56,6 +56,7 @@ pub(crate) struct Signature {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Callee {
     Routine(u32),
+    Trap(u32),
     Builtin(u32),
     WaitUntil,
     ResetRetryCount,

@@ -1,7 +1,7 @@
 use depal_vm::{BinaryOp, Diagnostic, Op, Span, Value};
 
 use super::expression::is_place;
-use super::scope::{Access, Callee, Compiler, DataSymbol, Signature, Slot, Symbol};
+use super::scope::{Access, Callee, Compiler, DataSymbol, RoutineSymbol, Signature, Slot, Symbol};
 use super::types::Type;
 use crate::syntax::tree::*;
 
@@ -78,9 +78,60 @@ impl Compiler<'_> {
             StatementKind::Exit => {
                 self.emit(Op::Stop("EXIT".into()));
             }
+            StatementKind::Connect { variable, trap } => self.connect(variable, trap),
+            StatementKind::CallByName { name, arguments } => self.call_by_name(name, arguments),
             StatementKind::Label(_) | StatementKind::Broken => {}
         }
         self.patch_here(begin);
+    }
+
+    fn connect(&mut self, variable: &Expression, trap: &Name) {
+        let routine = match self.lookup(&trap.key()) {
+            Some(Symbol::Routine(RoutineSymbol {
+                callee: Callee::Trap(routine),
+                ..
+            })) => *routine,
+            _ => {
+                self.error(Diagnostic::error(
+                    "RAPID0101",
+                    trap.span,
+                    format!("there is no TRAP named {}", trap.text),
+                ));
+                return;
+            }
+        };
+        self.check_assignable(variable);
+        let kind = self.place(variable);
+        if !Type::Num.accepts(&kind) {
+            self.mismatch(variable.span, &Type::Num, &kind);
+        }
+        self.emit(Op::Connect(routine));
+    }
+
+    /// Arguments of a call by name: data are given by reference, the callee takes what it needs.
+    fn call_by_name(&mut self, name: &Expression, arguments: &[Argument]) {
+        self.value(name, Some(&Type::Text));
+        for argument in arguments {
+            let Argument::Positional(value) = argument else {
+                self.error(
+                    Diagnostic::error(
+                        "RAPID0112",
+                        argument.span(),
+                        "optional arguments of a call by name are not simulated",
+                    )
+                    .help("call the procedure by its own name, or leave the argument out"),
+                );
+                continue;
+            };
+            if is_place(value) && self.root_data(value).is_some() {
+                self.place(value);
+            } else {
+                self.value(value, None);
+            }
+        }
+        self.emit(Op::CallByName {
+            arguments: arguments.len() as u32,
+        });
     }
 
     fn only_in_handler(&mut self, what: &str, span: Span) {
@@ -223,6 +274,17 @@ impl Compiler<'_> {
             self.wait_until(&routine.signature, name, arguments);
             return;
         }
+        if let Callee::Trap(_) = routine.callee {
+            self.error(
+                Diagnostic::error(
+                    "RAPID0111",
+                    name.span,
+                    format!("{} is a TRAP and cannot be called", name.text),
+                )
+                .help("a TRAP runs when its interrupt comes: CONNECT .. WITH .."),
+            );
+            return;
+        }
         let count = self.arguments(&routine.signature, name, arguments);
         match routine.callee {
             Callee::Routine(routine) => self.emit(Op::Call {
@@ -235,7 +297,7 @@ impl Compiler<'_> {
                 result: false,
             }),
             Callee::ResetRetryCount => self.emit(Op::ResetRetries),
-            Callee::WaitUntil => 0,
+            Callee::WaitUntil | Callee::Trap(_) => 0,
         };
     }
 

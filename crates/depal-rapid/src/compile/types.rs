@@ -68,7 +68,8 @@ pub(crate) struct RecordType {
 /// Types that are another name of a number or a string.
 pub(crate) fn simple_type(name: &str) -> Option<Type> {
     Some(match name {
-        "num" | "errnum" | "socketstatus" | "byte" | "inttypes" | "opcalc" => Type::Num,
+        "num" | "errnum" | "intnum" | "iodev" | "btnres" | "icondata" | "buttondata"
+        | "socketstatus" | "byte" | "inttypes" | "opcalc" => Type::Num,
         "dnum" => Type::Dnum,
         "bool" => Type::Bool,
         "string" | "stringdig" => Type::Text,
@@ -90,9 +91,7 @@ pub(crate) fn simple_type(name: &str) -> Option<Type> {
 }
 
 /// Types of the controller that are known and not simulated.
-pub(crate) const REFUSED_TYPES: [&str; 20] = [
-    "intnum",
-    "iodev",
+pub(crate) const REFUSED_TYPES: [&str; 16] = [
     "trapdata",
     "errdomain",
     "errtype",
@@ -104,8 +103,6 @@ pub(crate) const REFUSED_TYPES: [&str; 20] = [
     "shapedata",
     "triggdata",
     "listitem",
-    "btnres",
-    "icondata",
     "mecunit",
     "progdisp",
     "egmident",

@@ -436,6 +436,8 @@ impl Parser<'_> {
             data: Vec::new(),
             body: Vec::new(),
             handler: None,
+            undo: None,
+            backward: None,
         })
     }
 
@@ -521,11 +523,12 @@ impl Parser<'_> {
         }
         routine.body = self.routine_statements();
         while self.is_any_word(&["ERROR", "UNDO", "BACKWARD"]) {
-            if !self.is_word("ERROR") {
-                let word = self.describe();
-                self.report("RAPID0020", format!("{word} clauses are not supported"));
-                self.advance();
-                self.routine_statements();
+            if self.maybe_word("UNDO") {
+                routine.undo = Some(self.routine_statements());
+                continue;
+            }
+            if self.maybe_word("BACKWARD") {
+                routine.backward = Some(self.routine_statements());
                 continue;
             }
             self.advance();

@@ -110,21 +110,26 @@ impl Parser<'_> {
             self.end_statement("behind EXIT");
             return StatementKind::Exit;
         }
-        if self.is_word("CONNECT") {
-            self.report(
-                "RAPID0020",
-                "CONNECT: interrupts and TRAP routines are not supported yet".into(),
-            );
-            self.recover();
-            return StatementKind::Broken;
+        if self.maybe_word("CONNECT") {
+            self.begin_operators();
+            let variable = self.postfix();
+            self.expect_word("WITH", "behind the interrupt of CONNECT");
+            let Some(trap) = self.expect_name("the name of a TRAP") else {
+                self.recover();
+                return StatementKind::Broken;
+            };
+            self.end_statement("behind CONNECT");
+            return StatementKind::Connect { variable, trap };
         }
-        if self.is_mark("%") {
-            self.report(
-                "RAPID0020",
-                "calls by a name in a string are not supported yet".into(),
-            );
-            self.recover();
-            return StatementKind::Broken;
+        if self.maybe_mark("%") {
+            let name = self.expression();
+            if !self.expect_mark("%", "behind the name of the procedure") {
+                self.recover();
+                return StatementKind::Broken;
+            }
+            let arguments = self.arguments(";");
+            self.end_statement("behind the arguments of the call");
+            return StatementKind::CallByName { name, arguments };
         }
         self.assignment_or_call(start)
     }

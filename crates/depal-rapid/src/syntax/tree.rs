@@ -85,6 +85,9 @@ pub(crate) struct Routine {
     pub(crate) data: Vec<Data>,
     pub(crate) body: Vec<Statement>,
     pub(crate) handler: Option<Handler>,
+    pub(crate) undo: Option<Vec<Statement>>,
+    /// Read and checked; the simulated robot never runs a path backwards.
+    pub(crate) backward: Option<Vec<Statement>>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -136,6 +139,16 @@ pub(crate) enum StatementKind {
     Retry,
     TryNext,
     Exit,
+    /// `CONNECT variable WITH trap;`
+    Connect {
+        variable: Expression,
+        trap: Name,
+    },
+    /// `%"name"% arguments;`
+    CallByName {
+        name: Expression,
+        arguments: Vec<Argument>,
+    },
     /// Could not be read, or is not supported; already reported.
     Broken,
 }

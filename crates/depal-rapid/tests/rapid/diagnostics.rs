@@ -75,7 +75,7 @@ fn duplicates_and_headings() {
   VAR num a;
   VAR bool A;
   VAR nmu b;
-  VAR intnum i;
+  VAR syncident i;
   VAR num list{0};
   FUNC num f()
   ENDFUNC
@@ -91,7 +91,7 @@ ENDMODULE
 }
 
 #[test]
-fn traps_are_refused_and_not_ignored() {
+fn interrupts_are_declared_like_all_data() {
     insta::assert_snapshot!(messages(
         "MODULE m
   PROC main()

@@ -3,5 +3,6 @@
 mod diagnostics;
 mod effects;
 mod fake_system;
+mod interrupts;
 mod language;
 mod robustness;
