@@ -29,7 +29,6 @@ impl Surface {
     /// `Err(None)`: too small to be the visible rest of a carton.
     pub fn new(
         component: Component,
-        depth: &[f32],
         image: &DepthImage,
         settings: &VisionSettings,
         smallest: f64,
@@ -43,8 +42,11 @@ impl Surface {
             let length = run.last - run.first + 1;
             while skip < length {
                 let u = run.first + skip;
-                let z = depth[run.row * image.width + u];
-                samples.push((u as f64, run.row as f64, f64::from(z)));
+                let z = image.depth[run.row * image.width + u];
+                // Lone holes count as surface but measure nothing.
+                if z > 0.0 {
+                    samples.push((u as f64, run.row as f64, f64::from(z)));
+                }
                 skip += stride;
             }
             skip -= length;
@@ -91,6 +93,30 @@ impl Surface {
         }
     }
 
+    /// True when its first and last row, or its outermost columns, lie farther apart than that, metres.
+    fn spans_more_than(&self, image: &DepthImage, distance: f64) -> bool {
+        let runs = &self.component.runs;
+        let (Some(top), Some(bottom)) = (runs.first(), runs.last()) else {
+            return false;
+        };
+        let (mut left, mut right) = (*top, *top);
+        for run in runs {
+            if run.first < left.first {
+                left = *run;
+            }
+            if run.last > right.last {
+                right = *run;
+            }
+        }
+        let at = |u: usize, row: usize| {
+            self.frame
+                .of_pixel(&image.intrinsics, u as f64, row as f64)
+        };
+        let apart = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) > distance;
+        apart(at(top.first, top.row), at(bottom.last, bottom.row))
+            || apart(at(left.first, left.row), at(right.last, right.row))
+    }
+
     /// Resampled along its main direction.
     fn patch(
         &self,
@@ -99,6 +125,9 @@ impl Surface {
         settings: &VisionSettings,
     ) -> Result<Patch, RejectedSurface> {
         const MARGIN: f64 = 0.030;
+        if self.spans_more_than(image, settings.max_surface_side * std::f64::consts::SQRT_2) {
+            return Err(self.rejected(RejectReason::Background));
+        }
         let pitch = pixel_pitch(&self.frame, &image.intrinsics);
         let border = outline(&self.component, mask, image, &self.frame);
         let yaw = main_direction(&border, 2.0 * pitch);
