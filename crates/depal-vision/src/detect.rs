@@ -99,7 +99,7 @@ fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Det
         }
     });
     // Then what is left together with its neighbours of the same height.
-    for group in neighbours(&surfaces, settings) {
+    for group in neighbours(&surfaces, &image.intrinsics, settings) {
         if group.iter().all(|&s| surfaces[s].solved) {
             continue;
         }

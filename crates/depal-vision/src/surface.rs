@@ -1,5 +1,7 @@
 //! One flat surface: its plane, its direction, and the cartons on it.
 
+use depal_frames::Intrinsics;
+
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
     arrange::{arrange, touches},
@@ -7,12 +9,17 @@ use crate::{
     gate::DepthImage,
     measure::measure_whole,
     orientation::{main_direction, outline},
-    patch::{Patch, pixel_pitch},
+    patch::{Class, Patch, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
     search::{Candidate, extents, search},
     sides::fit_rectangle,
     verify::{LEAST_SEEN, Proof, verify},
 };
+
+/// How far a patch reaches beyond its surface, metres.
+const MARGIN: f64 = 0.030;
+/// A stripe without measurement this wide may run through a carton (black tape), metres.
+const WIDEST_TAPE: f64 = 0.060;
 
 /// A piece of the step mask that lies on a plane roughly facing the camera.
 pub struct Surface {
@@ -124,7 +131,6 @@ impl Surface {
         image: &DepthImage,
         settings: &VisionSettings,
     ) -> Result<Patch, RejectedSurface> {
-        const MARGIN: f64 = 0.030;
         if self.spans_more_than(image, settings.max_surface_side * std::f64::consts::SQRT_2) {
             return Err(self.rejected(RejectReason::Background));
         }
@@ -172,7 +178,7 @@ impl Surface {
         settings: &VisionSettings,
     ) -> Result<DetectedBox, RejectedSurface> {
         let patch = self.patch(mask, image, settings)?;
-        measure_whole(&patch, image, settings, self.area)
+        measure_whole(&patch, image, settings, self.area, MARGIN)
     }
 
     /// Boxes whose outline can be seen, and those that follow from covering the rest.
@@ -200,6 +206,10 @@ impl Surface {
         if arrangement.ambiguous {
             rejected.push(self.rejected(RejectReason::Ambiguous));
         }
+        if !stands(&patch, image, settings, &arrangement.boxes) {
+            rejected.push(self.rejected(RejectReason::NoKnownSize));
+            return boxes;
+        }
         for (candidate, start) in settle(image, settings, &patch, &arrangement.boxes, &fixed) {
             match verify(
                 image,
@@ -221,9 +231,56 @@ impl Surface {
     }
 }
 
+/// Whether what lies beyond the outer sides of arranged boxes is as deep as they are high: a slip
+/// sheet of the size of a whole layer is covered by cartons as well, but stands on no height.
+fn stands(
+    patch: &Patch,
+    image: &DepthImage,
+    settings: &VisionSettings,
+    boxes: &[Candidate],
+) -> bool {
+    const BEYOND: f64 = 0.020;
+    const SAMPLES: usize = 40;
+    const ENOUGH: usize = 40;
+    let k = &image.intrinsics;
+    let mut drops = Vec::new();
+    let mut height = f64::MAX;
+    for b in boxes {
+        let size = &settings.sizes[b.label as usize];
+        height = height.min(size.height);
+        let half = extents(size, b.turned).map(|e| e / 2.0);
+        let (x, y) = b.centre(patch);
+        for side in 0..4 {
+            let sign = if side % 2 == 0 { -1.0 } else { 1.0 };
+            for n in 0..SAMPLES {
+                let along = (n as f64 + 0.5) / SAMPLES as f64 * 2.0 - 1.0;
+                let p = if side < 2 {
+                    patch.frame.point(x + sign * (half[0] + BEYOND), y + along * half[1])
+                } else {
+                    patch.frame.point(x + along * half[0], y + sign * (half[1] + BEYOND))
+                };
+                let (u, v) = k.project(&p);
+                if image.class(u, v, p.z, settings.plane_tolerance) == Class::Deep {
+                    let i = (v + 0.5) as usize * image.width + (u + 0.5) as usize;
+                    drops.push(f64::from(image.depth[i]) - p.z);
+                }
+            }
+        }
+    }
+    if drops.len() < ENOUGH || !height.is_finite() {
+        return true;
+    }
+    let high = drops.len() * 9 / 10;
+    let drop = *drops.select_nth_unstable_by(high, f64::total_cmp).1;
+    drop > 0.9 * height - 0.005
+}
+
 /// Groups (indices, ascending) of surfaces that lie side by side on one plane.
-pub fn neighbours(surfaces: &[Surface], settings: &VisionSettings) -> Vec<Vec<usize>> {
-    const REACH: usize = 16;
+pub fn neighbours(
+    surfaces: &[Surface],
+    intrinsics: &Intrinsics,
+    settings: &VisionSettings,
+) -> Vec<Vec<usize>> {
     let bounds: Vec<[usize; 4]> = surfaces
         .iter()
         .map(|s| {
@@ -242,10 +299,12 @@ pub fn neighbours(surfaces: &[Surface], settings: &VisionSettings) -> Vec<Vec<us
         .collect();
     let beside = |a: usize, b: usize| {
         let (p, q) = (bounds[a], bounds[b]);
-        let close = p[0] <= q[1] + REACH
-            && q[0] <= p[1] + REACH
-            && p[2] <= q[3] + REACH
-            && q[2] <= p[3] + REACH;
+        // The mask ends two pixels inside both borders.
+        let reach = (WIDEST_TAPE / pixel_pitch(&surfaces[a].frame, intrinsics)) as usize + 4;
+        let close = p[0] <= q[1] + reach
+            && q[0] <= p[1] + reach
+            && p[2] <= q[3] + reach
+            && q[2] <= p[3] + reach;
         let level = |a: &Surface, b: &Surface| {
             let ray = b.frame.origin.coords / b.frame.origin.z;
             (a.frame.plane.depth(&ray) - b.frame.origin.z).abs() < settings.plane_tolerance

@@ -107,9 +107,10 @@ fn box_json(found: &DetectedBox) -> Value {
     let at = found.camera_from_box.translation.vector * 1e3;
     let q = found.camera_from_box.rotation;
     let [l, w, h] = found.size.to_mm().map(|side| round(side, 1e3));
+    let centre = [at.x, at.y, at.z].map(|x| round(x, 1e6));
     let height = if h > 0.0 { json!(h) } else { Value::Null };
     json!({
-        "center_mm": [at.x, at.y, at.z].map(|x| round(x, 1e6)),
+        "center_mm": centre,
         "quat_wxyz": [q.w, q.i, q.j, q.k],
         "size_mm": [json!(l), json!(w), height],
         "label": found.label,
