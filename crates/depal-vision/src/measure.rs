@@ -32,7 +32,8 @@ pub fn measure_whole(
     if has_seam(patch, &candidate) {
         return Err(reject(RejectReason::Ambiguous));
     }
-    let extents = candidate.cells.map(|n| n as f64 * patch.pitch);
+    // The mask ends two pixels inside the real border.
+    let extents = candidate.cells.map(|n| (n as f64 + 4.0) * patch.pitch);
     let (long, short) = (extents[0].max(extents[1]), extents[0].min(extents[1]));
     if short < LEAST_SIDE || long > MOST_SIDE {
         return Err(reject(RejectReason::NoKnownSize));
