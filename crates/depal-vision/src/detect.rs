@@ -120,11 +120,7 @@ fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Det
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.
-fn keep_best(
-    mut found: Vec<DetectedBox>,
-    settings: &VisionSettings,
-    detection: &mut Detection,
-) {
+fn keep_best(mut found: Vec<DetectedBox>, settings: &VisionSettings, detection: &mut Detection) {
     found.sort_by(|a, b| b.confidence.total_cmp(&a.confidence).then(nearer(a, b)));
     for b in found {
         let inside_region = settings

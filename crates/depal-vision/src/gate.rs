@@ -82,7 +82,9 @@ fn cut(
     let half = region.half_extents.cast::<f32>();
     let (left, right) = window.columns;
     let width = intrinsics.width;
-    let rows = in_region.chunks_exact_mut(width).zip(depth.chunks_exact(width));
+    let rows = in_region
+        .chunks_exact_mut(width)
+        .zip(depth.chunks_exact(width));
     for (v, (inside, depth)) in rows.enumerate() {
         if v < window.rows.0 || v >= window.rows.1 {
             inside.fill(0);
@@ -151,7 +153,10 @@ impl DepthImage {
     pub fn lone_holes(&self) -> Vec<(usize, f32)> {
         let mut holes = Vec::new();
         let w = self.width;
-        let (left, right) = (self.window.columns.0.max(1), self.window.columns.1.min(w - 1));
+        let (left, right) = (
+            self.window.columns.0.max(1),
+            self.window.columns.1.min(w - 1),
+        );
         let (low, high) = (
             self.window.rows.0.max(1),
             self.window.rows.1.min(self.height - 1),

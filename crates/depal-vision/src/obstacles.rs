@@ -44,7 +44,11 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
     let mut near: Vec<&Solid> = Vec::new();
     for v in (top..bottom).step_by(stride) {
         near.clear();
-        near.extend(solids.iter().filter(|s| s.rows[0] <= v as f64 && v as f64 <= s.rows[1]));
+        near.extend(
+            solids
+                .iter()
+                .filter(|s| s.rows[0] <= v as f64 && v as f64 <= s.rows[1]),
+        );
         let y = (v as f64 - k.cy) / k.fy;
         for u in (left..right).step_by(stride) {
             let i = v * image.width + u;

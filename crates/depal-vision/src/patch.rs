@@ -92,7 +92,11 @@ impl ResampledRow {
             affine(step.y, step.z, k.fy, k.cy),
         );
         let (z0, z1) = (first.z as f32, step.z as f32);
-        let cells = self.column.iter_mut().zip(&mut self.line).zip(&mut self.expected);
+        let cells = self
+            .column
+            .iter_mut()
+            .zip(&mut self.line)
+            .zip(&mut self.expected);
         for (i, ((u, v), expected)) in cells.enumerate() {
             let i = i as i32 as f32;
             let z = z0 + z1 * i;

@@ -123,8 +123,14 @@ fn scan(
         // Along the line, numerators of u and v and the depth are affine.
         let first = base + outward * (half - reach);
         let next = outward * (0.5 * pitch);
-        let (u0, u1) = (first.x * k.fx + first.z * k.cx, next.x * k.fx + next.z * k.cx);
-        let (v0, v1) = (first.y * k.fy + first.z * k.cy, next.y * k.fy + next.z * k.cy);
+        let (u0, u1) = (
+            first.x * k.fx + first.z * k.cx,
+            next.x * k.fx + next.z * k.cx,
+        );
+        let (v0, v1) = (
+            first.y * k.fy + first.z * k.cy,
+            next.y * k.fy + next.z * k.cy,
+        );
         for step in 0..=steps {
             let s = step as f64;
             let z = first.z + next.z * s;

@@ -113,7 +113,10 @@ impl<T: Copy + PartialOrd> RollingMin<T> {
         let out = &mut self.rows[v % WINDOW];
         for (u, out) in out.iter_mut().enumerate() {
             *out = min(
-                min(min(shifted[0][u], shifted[1][u]), min(shifted[2][u], shifted[3][u])),
+                min(
+                    min(shifted[0][u], shifted[1][u]),
+                    min(shifted[2][u], shifted[3][u]),
+                ),
                 shifted[4][u],
             );
         }

@@ -115,10 +115,8 @@ impl Surface {
                 right = *run;
             }
         }
-        let at = |u: usize, row: usize| {
-            self.frame
-                .of_pixel(&image.intrinsics, u as f64, row as f64)
-        };
+        let at =
+            |u: usize, row: usize| self.frame.of_pixel(&image.intrinsics, u as f64, row as f64);
         let apart = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) > distance;
         apart(at(top.first, top.row), at(bottom.last, bottom.row))
             || apart(at(left.first, left.row), at(right.last, right.row))
@@ -255,9 +253,13 @@ fn stands(
             for n in 0..SAMPLES {
                 let along = (n as f64 + 0.5) / SAMPLES as f64 * 2.0 - 1.0;
                 let p = if side < 2 {
-                    patch.frame.point(x + sign * (half[0] + BEYOND), y + along * half[1])
+                    patch
+                        .frame
+                        .point(x + sign * (half[0] + BEYOND), y + along * half[1])
                 } else {
-                    patch.frame.point(x + along * half[0], y + sign * (half[1] + BEYOND))
+                    patch
+                        .frame
+                        .point(x + along * half[0], y + sign * (half[1] + BEYOND))
                 };
                 let (u, v) = k.project(&p);
                 if image.class(u, v, p.z, settings.plane_tolerance) == Class::Deep {

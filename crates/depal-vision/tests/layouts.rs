@@ -61,9 +61,8 @@ fn scene(rectangles: &[Rectangle], gap: f64) -> Scene {
 
 /// Half a metre and more of offset rows.
 fn brick() -> Vec<Rectangle> {
-    let row = |y: f64, x: f64, n: usize| {
-        (0..n).map(move |i| [x + 400.0 * i as f64, y, 400.0, 300.0])
-    };
+    let row =
+        |y: f64, x: f64, n: usize| (0..n).map(move |i| [x + 400.0 * i as f64, y, 400.0, 300.0]);
     row(0.0, 0.0, 3).chain(row(300.0, 200.0, 2)).collect()
 }
 
@@ -250,7 +249,14 @@ fn a_small_image_in_steps_of_one_millimetre() {
 
 #[test]
 fn unknown_sizes_are_measured() {
-    let scene = scene(&mixed(), 0.010);
+    let mut scene = scene(&mixed(), 0.010);
+    // Sides along the pixel grid are uncertain by a pixel; no stack stands like that.
+    let turn = 2f64.to_radians();
+    let (s, c) = turn.sin_cos();
+    for solid in scene.solids.iter_mut().filter(|s| s.wanted) {
+        (solid.x, solid.y) = (solid.x * c - solid.y * s, solid.x * s + solid.y * c);
+        solid.yaw += turn;
+    }
     let detection = detect_any_size(&scene.frame(290), &VisionSettings::new(Vec::new()));
     let mut score = Score::default();
     score.add(&scene, detection.boxes.iter().map(|b| &b.camera_from_box));
@@ -272,9 +278,6 @@ fn cartons_without_gaps_are_not_measured_as_one() {
         [300.0, 0.0, 300.0, 200.0],
         [0.0, 200.0, 300.0, 200.0],
     ];
-    let detection = detect_any_size(
-        &scene(&l, 0.0).frame(300),
-        &VisionSettings::new(Vec::new()),
-    );
+    let detection = detect_any_size(&scene(&l, 0.0).frame(300), &VisionSettings::new(Vec::new()));
     assert_eq!(detection.boxes, []);
 }

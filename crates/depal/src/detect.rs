@@ -155,8 +155,15 @@ mod tests {
             assert!((side - mm).abs() < 1e-9);
         }
         for wrong in [
-            "", "400", "400x300", "400x300x250x1", "ax1x1", "400x-300x250", "400x300xNaN",
-            "1x1x1", "400x300xinf",
+            "",
+            "400",
+            "400x300",
+            "400x300x250x1",
+            "ax1x1",
+            "400x-300x250",
+            "400x300xNaN",
+            "1x1x1",
+            "400x300xinf",
         ] {
             let message = parse_size(wrong).unwrap_err();
             assert!(message.contains("400x300x250"), "{message}");

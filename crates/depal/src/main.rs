@@ -3,8 +3,8 @@
 mod check;
 mod detect;
 mod diagnostics;
-mod image_file;
 mod failure;
+mod image_file;
 mod output;
 mod overlay;
 mod progress;

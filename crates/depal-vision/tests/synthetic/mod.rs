@@ -71,11 +71,7 @@ impl Solid {
     fn enter(&self, origin: [f64; 3], direction: [f64; 3]) -> Option<f64> {
         let (s, c) = self.yaw.sin_cos();
         let (ox, oy) = (origin[0] - self.x, origin[1] - self.y);
-        let o = [
-            ox * c + oy * s,
-            oy * c - ox * s,
-            origin[2] - self.top,
-        ];
+        let o = [ox * c + oy * s, oy * c - ox * s, origin[2] - self.top];
         let d = [
             direction[0] * c + direction[1] * s,
             direction[1] * c - direction[0] * s,
