@@ -110,7 +110,7 @@ impl ResampledRow {
         let cells = self.column.iter().zip(&self.line).zip(&self.expected);
         for (((&u, &v), &expected), class) in cells.zip(&mut self.classes) {
             // Also refuses NaN.
-            let inside = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
+            let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
             *class = if inside {
                 // Within the image, so i32 holds it; its cast is one instruction.
                 let (u, v) = (u as i32 as usize, v as i32 as usize);
