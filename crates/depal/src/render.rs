@@ -8,7 +8,6 @@ use clap::Args;
 use depal_camera::{Material, RenderShape, sense};
 use depal_cell::spec::CellSpec;
 use depal_frames::{DepthFrame, Pose};
-use depal_scene::Scene;
 use depal_time::RandomStreams;
 use depal_world::{VisibleKind, World};
 use serde_json::{Value, json};
