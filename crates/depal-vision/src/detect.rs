@@ -45,11 +45,10 @@ pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detecti
     if image.points_in_region == 0 {
         return detection;
     }
-    let (depth, inside) = image.with_lone_holes_filled();
-    let mask = surface_mask(&depth, &inside, image.width, image.height, settings.step);
+    let mask = surface_mask(&image, &image.lone_holes(), settings.step);
     let mut found = Vec::new();
     for component in components(&mask, image.width) {
-        match Surface::new(component, &depth, &image, settings, SMALLEST_MEASURED)
+        match Surface::new(component, &image, settings, SMALLEST_MEASURED)
             .and_then(|surface| surface.measure(&mask, &image, settings).map_err(Some))
         {
             Ok(measured) => found.push(measured),
@@ -71,8 +70,7 @@ fn is_usable(size: &BoxSize) -> bool {
 }
 
 fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Detection) {
-    let (depth, inside) = image.with_lone_holes_filled();
-    let mask = surface_mask(&depth, &inside, image.width, image.height, settings.step);
+    let mask = surface_mask(image, &image.lone_holes(), settings.step);
     let smallest = settings
         .sizes
         .iter()
@@ -82,7 +80,7 @@ fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Det
     let mut found: Vec<DetectedBox> = Vec::new();
     let mut surfaces = Vec::new();
     for component in components(&mask, image.width) {
-        match Surface::new(component, &depth, image, settings, smallest) {
+        match Surface::new(component, image, settings, smallest) {
             Ok(surface) => surfaces.push(surface),
             Err(rejected) => detection.rejected.extend(rejected),
         }
@@ -101,7 +99,7 @@ fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Det
         }
     });
     // Then what is left together with its neighbours of the same height.
-    for group in neighbours(&surfaces, settings) {
+    for group in neighbours(&surfaces, &image.intrinsics, settings) {
         if group.iter().all(|&s| surfaces[s].solved) {
             continue;
         }
@@ -111,7 +109,7 @@ fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Det
             whole.runs.extend(&surfaces[s].component.runs);
         }
         whole.runs.sort_by_key(|r| (r.row, r.first));
-        match Surface::new(whole, &depth, image, settings, smallest) {
+        match Surface::new(whole, image, settings, smallest) {
             Ok(surface) => {
                 found.extend(surface.cover(&mask, image, settings, &mut detection.rejected));
             }
@@ -122,11 +120,7 @@ fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Det
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.
-fn keep_best(
-    mut found: Vec<DetectedBox>,
-    settings: &VisionSettings,
-    detection: &mut Detection,
-) {
+fn keep_best(mut found: Vec<DetectedBox>, settings: &VisionSettings, detection: &mut Detection) {
     found.sort_by(|a, b| b.confidence.total_cmp(&a.confidence).then(nearer(a, b)));
     for b in found {
         let inside_region = settings

@@ -1,8 +1,8 @@
 //! Stage 1: which pixels are valid, and which may belong to a carton.
 
-use depal_frames::{DepthFrame, Intrinsics};
+use depal_frames::{DepthFrame, Intrinsics, Point};
 
-use crate::VisionSettings;
+use crate::{RegionOfInterest, VisionSettings};
 
 /// Depths beyond this are no measurement of any depth camera for cartons.
 const LARGEST_DEPTH: f32 = 60.0;
@@ -16,6 +16,7 @@ pub struct DepthImage {
     pub depth: Vec<f32>,
     /// 1 where the pixel is valid, in the depth range and in the region.
     pub in_region: Vec<u8>,
+    pub window: Window,
     pub points_in_region: usize,
 }
 
@@ -47,22 +48,13 @@ pub fn gate(frame: &DepthFrame, settings: &VisionSettings) -> Option<DepthImage>
         .iter()
         .map(|&z| u8::from(z >= near && z <= far))
         .collect();
+    let mut window = Window {
+        rows: (0, height),
+        columns: (0, width),
+    };
     if let Some(region) = &settings.region {
-        let region_from_camera = region.camera_from_region.inverse();
-        let rotation = region_from_camera.rotation.to_rotation_matrix();
-        let shift = region_from_camera.translation.vector;
-        let half = region.half_extents;
-        for v in 0..height {
-            // The ray in the region's axes is affine along a row.
-            let first = rotation * intrinsics.ray(0.0, v as f64);
-            let next = rotation * intrinsics.ray(1.0, v as f64) - first;
-            for u in 0..width {
-                let i = v * width + u;
-                let p = (first + next * u as f64) * f64::from(depth[i]) + shift;
-                let inside = (p.x.abs() <= half.x) & (p.y.abs() <= half.y) & (p.z.abs() <= half.z);
-                in_region[i] &= u8::from(inside);
-            }
-        }
+        window = window_of(region, &intrinsics);
+        cut(&mut in_region, &depth, &intrinsics, region, &window);
     }
     let points_in_region = in_region.iter().map(|&b| usize::from(b)).sum();
     Some(DepthImage {
@@ -71,22 +63,111 @@ pub fn gate(frame: &DepthFrame, settings: &VisionSettings) -> Option<DepthImage>
         height,
         depth,
         in_region,
+        window,
         points_in_region,
     })
 }
 
+/// Clears what lies outside the region.
+fn cut(
+    in_region: &mut [u8],
+    depth: &[f32],
+    intrinsics: &Intrinsics,
+    region: &RegionOfInterest,
+    window: &Window,
+) {
+    let region_from_camera = region.camera_from_region.inverse();
+    let rotation = region_from_camera.rotation.to_rotation_matrix();
+    let shift = region_from_camera.translation.vector.cast::<f32>();
+    let half = region.half_extents.cast::<f32>();
+    let (left, right) = window.columns;
+    let width = intrinsics.width;
+    let rows = in_region
+        .chunks_exact_mut(width)
+        .zip(depth.chunks_exact(width));
+    for (v, (inside, depth)) in rows.enumerate() {
+        if v < window.rows.0 || v >= window.rows.1 {
+            inside.fill(0);
+            continue;
+        }
+        inside[..left].fill(0);
+        inside[right..].fill(0);
+        // The ray in the region's axes is affine along a row.
+        let first = rotation * intrinsics.ray(left as f64, v as f64);
+        let next = (rotation * intrinsics.ray(left as f64 + 1.0, v as f64) - first).cast::<f32>();
+        let first = first.cast::<f32>();
+        for (k, (inside, &z)) in inside[left..right]
+            .iter_mut()
+            .zip(&depth[left..right])
+            .enumerate()
+        {
+            let u = k as i32 as f32;
+            let x = (first.x + next.x * u) * z + shift.x;
+            let y = (first.y + next.y * u) * z + shift.y;
+            let depth = (first.z + next.z * u) * z + shift.z;
+            let holds = (x.abs() <= half.x) & (y.abs() <= half.y) & (depth.abs() <= half.z);
+            *inside &= u8::from(holds);
+        }
+    }
+}
+
+/// Rows and columns in which a region can show; all of them when it reaches the camera's plane.
+fn window_of(region: &RegionOfInterest, k: &Intrinsics) -> Window {
+    let (mut u, mut v) = ([f64::MAX, f64::MIN], [f64::MAX, f64::MIN]);
+    for corner in 0..8 {
+        let sign = |bit: usize| if corner & bit == 0 { -1.0 } else { 1.0 };
+        let half = region.half_extents;
+        let p = region.camera_from_region
+            * Point::new(half.x * sign(1), half.y * sign(2), half.z * sign(4));
+        if p.z.is_nan() || p.z < 0.05 {
+            return Window {
+                rows: (0, k.height),
+                columns: (0, k.width),
+            };
+        }
+        let (pu, pv) = k.project(&p);
+        u = [u[0].min(pu), u[1].max(pu)];
+        v = [v[0].min(pv), v[1].max(pv)];
+    }
+    let range = |r: [f64; 2], count: usize| {
+        let low = (r[0] - 1.0).clamp(0.0, count as f64) as usize;
+        let high = (r[1] + 2.0).clamp(0.0, count as f64) as usize;
+        (low, high.max(low))
+    };
+    Window {
+        rows: range(v, k.height),
+        columns: range(u, k.width),
+    }
+}
+
+/// Rows and columns (last excluded) outside which no pixel is in the region.
+#[derive(Debug, Clone, Copy)]
+pub struct Window {
+    pub rows: (usize, usize),
+    pub columns: (usize, usize),
+}
+
 impl DepthImage {
-    /// A copy for labelling in which lone invalid pixels take the mean of their neighbours.
-    /// Gaps between cartons are lines of invalid pixels and stay.
-    pub fn with_lone_holes_filled(&self) -> (Vec<f32>, Vec<u8>) {
-        let (mut depth, mut inside) = (self.depth.clone(), self.in_region.clone());
+    /// Lone invalid pixels with the mean of their neighbours, which stands for them when surfaces are
+    /// labelled. In order of their index. Gaps between cartons are lines of invalid pixels and stay.
+    pub fn lone_holes(&self) -> Vec<(usize, f32)> {
+        let mut holes = Vec::new();
         let w = self.width;
-        for v in 1..self.height.saturating_sub(1) {
-            for u in 1..w.saturating_sub(1) {
-                let i = v * w + u;
-                if self.depth[i] != 0.0 {
-                    continue;
-                }
+        let (left, right) = (
+            self.window.columns.0.max(1),
+            self.window.columns.1.min(w - 1),
+        );
+        let (low, high) = (
+            self.window.rows.0.max(1),
+            self.window.rows.1.min(self.height - 1),
+        );
+        if left >= right {
+            return holes;
+        }
+        for v in low..high {
+            let row = &self.depth[v * w + left..v * w + right];
+            for (k, _) in row.iter().enumerate().filter(|(_, z)| **z == 0.0) {
+                let i = v * w + left + k;
                 let around = [
                     i - w - 1,
                     i - w,
@@ -107,11 +188,10 @@ impl DepthImage {
                     }
                 }
                 if count >= 7 && high - low < 0.01 {
-                    depth[i] = sum / f32::from(count);
-                    inside[i] = 1;
+                    holes.push((i, sum / f32::from(count)));
                 }
             }
         }
-        (depth, inside)
+        holes
     }
 }

@@ -41,6 +41,7 @@
 //!   cover it and no gap in sight is wide enough that all gaps should be seen.
 //! - Cartons of one merged surface share its direction to about 1.5 degrees.
 //! - Where something hides part of a surface without visible gaps, nothing on it is reported.
+//! - Measured sides along the pixel grid are uncertain by one to two pixels, others by less than one.
 //! - The known sizes must differ by more than the size tolerance plus two pixels.
 
 mod arrange;

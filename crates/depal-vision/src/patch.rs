@@ -1,7 +1,7 @@
 //! Stage 6: a flat surface resampled in its own axes, with sums that answer "how much of this
 //! rectangle is surface" and "how much of this line is edge" in constant time.
 
-use depal_frames::Intrinsics;
+use depal_frames::{Intrinsics, Point, Vector};
 
 use crate::{gate::DepthImage, plane::PlaneFrame};
 
@@ -60,6 +60,77 @@ pub struct Patch {
     horizontal: Vec<u32>,
 }
 
+/// One row of cells: where they lie in the image, then what is there.
+struct ResampledRow {
+    column: Vec<f32>,
+    line: Vec<f32>,
+    expected: Vec<f32>,
+    classes: Vec<Class>,
+}
+
+impl ResampledRow {
+    fn new(columns: usize) -> Self {
+        Self {
+            column: vec![0.0; columns],
+            line: vec![0.0; columns],
+            expected: vec![0.0; columns],
+            classes: vec![Class::Outside; columns],
+        }
+    }
+
+    /// Cells at `first + i step` (camera frame). f32 places them to a thousandth of a pixel.
+    fn fetch(&mut self, image: &DepthImage, first: Point, step: Vector, tolerance: f64) {
+        let k = &image.intrinsics;
+        // Numerators of u and v, half a pixel added, so that cutting off rounds to the nearest.
+        let affine = |x: f64, z: f64, f: f64, c: f64| (x * f + z * (c + 0.5)) as f32;
+        let (u0, u1) = (
+            affine(first.x, first.z, k.fx, k.cx),
+            affine(step.x, step.z, k.fx, k.cx),
+        );
+        let (v0, v1) = (
+            affine(first.y, first.z, k.fy, k.cy),
+            affine(step.y, step.z, k.fy, k.cy),
+        );
+        let (z0, z1) = (first.z as f32, step.z as f32);
+        let cells = self
+            .column
+            .iter_mut()
+            .zip(&mut self.line)
+            .zip(&mut self.expected);
+        for (i, ((u, v), expected)) in cells.enumerate() {
+            let i = i as i32 as f32;
+            let z = z0 + z1 * i;
+            let inverse = 1.0 / z;
+            *u = (u0 + u1 * i) * inverse;
+            *v = (v0 + v1 * i) * inverse;
+            *expected = z;
+        }
+        let tolerance = tolerance as f32;
+        let (width, height) = (image.width as f32, image.height as f32);
+        let cells = self.column.iter().zip(&self.line).zip(&self.expected);
+        for (((&u, &v), &expected), class) in cells.zip(&mut self.classes) {
+            // Also refuses NaN.
+            let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
+            *class = if inside {
+                // Within the image, so i32 holds it; its cast is one instruction.
+                let (u, v) = (u as i32 as usize, v as i32 as usize);
+                let z = image.depth[v * image.width + u];
+                if z == 0.0 {
+                    Class::Hole
+                } else if z > expected + tolerance {
+                    Class::Deep
+                } else if z < expected - tolerance {
+                    Class::Near
+                } else {
+                    Class::On
+                }
+            } else {
+                Class::Outside
+            };
+        }
+    }
+}
+
 /// Weight of an edge cell that lies exactly on the line; one cell beside it counts 3, two count 1.
 const FULL: u32 = 4;
 
@@ -91,25 +162,21 @@ impl Patch {
         // Two cells of margin all round.
         let stride = columns + 4;
         let mut edge = vec![0u8; stride * (rows + 4)];
-        let k = &image.intrinsics;
+        let mut row = ResampledRow::new(columns);
         for j in 0..rows {
+            let first = frame.point(x[0] + 0.5 * pitch, y[0] + (j as f64 + 0.5) * pitch);
+            row.fetch(image, first, frame.x * pitch, tolerance);
+            let (below, above) = area.split_at_mut((j + 1) * (columns + 1));
+            let below = &below[j * (columns + 1) + 1..];
+            let above = &mut above[1..=columns];
+            let edge = &mut edge[(j + 2) * stride + 2..(j + 2) * stride + 2 + columns];
             let mut sum = 0u64;
-            for i in 0..columns {
-                let p = frame.point(
-                    x[0] + (i as f64 + 0.5) * pitch,
-                    y[0] + (j as f64 + 0.5) * pitch,
-                );
-                let inverse = 1.0 / p.z;
-                let class = image.class(
-                    p.x * inverse * k.fx + k.cx,
-                    p.y * inverse * k.fy + k.cy,
-                    p.z,
-                    tolerance,
-                );
+            for (((&class, edge), below), above) in
+                row.classes.iter().zip(edge).zip(below).zip(above)
+            {
                 sum += u64::from(class == Class::On) | (u64::from(class == Class::Deep) << 32);
-                area[(j + 1) * (columns + 1) + i + 1] = area[j * (columns + 1) + i + 1] + sum;
-                edge[(j + 2) * stride + i + 2] =
-                    u8::from(matches!(class, Class::Deep | Class::Hole));
+                *above = *below + sum;
+                *edge = u8::from(matches!(class, Class::Deep | Class::Hole));
             }
         }
         let mut vertical = vec![0u32; columns * (rows + 1)];

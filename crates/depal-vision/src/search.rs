@@ -109,29 +109,32 @@ pub fn has_seam(patch: &Patch, candidate: &Candidate) -> bool {
     let (i1, j1) = (i0 + candidate.cells[0], j0 + candidate.cells[1]);
     let (si0, si1) = (i0 + 4, i1 - 4);
     let (sj0, sj1) = (j0 + 4, j1 - 4);
+    // Holes that go on beside the line (tape across it) are none of its own.
+    let stands_out = |edge: f64, before: f64, after: f64| {
+        let beside = before.min(after);
+        beside > 0.7 && edge > SEAM + (1.0 - beside)
+    };
     let across = (i0 + MARGIN..i1 - MARGIN.min(i1)).any(|i| {
         let k = i as isize;
-        patch.vertical_edge(k, sj0, sj1) > SEAM
-            && patch
-                .shares(k - BESIDE - 3, sj0 as isize, k - BESIDE, sj1 as isize)
-                .0
-                > 0.8
-            && patch
-                .shares(k + BESIDE, sj0 as isize, k + BESIDE + 3, sj1 as isize)
-                .0
-                > 0.8
+        let edge = patch.vertical_edge(k, sj0, sj1);
+        let (low, high) = (sj0 as isize, sj1 as isize);
+        edge > SEAM
+            && stands_out(
+                edge,
+                patch.shares(k - BESIDE - 3, low, k - BESIDE, high).0,
+                patch.shares(k + BESIDE, low, k + BESIDE + 3, high).0,
+            )
     });
     let along = (j0 + MARGIN..j1 - MARGIN.min(j1)).any(|j| {
         let k = j as isize;
-        patch.horizontal_edge(k, si0, si1) > SEAM
-            && patch
-                .shares(si0 as isize, k - BESIDE - 3, si1 as isize, k - BESIDE)
-                .0
-                > 0.8
-            && patch
-                .shares(si0 as isize, k + BESIDE, si1 as isize, k + BESIDE + 3)
-                .0
-                > 0.8
+        let edge = patch.horizontal_edge(k, si0, si1);
+        let (low, high) = (si0 as isize, si1 as isize);
+        edge > SEAM
+            && stands_out(
+                edge,
+                patch.shares(low, k - BESIDE - 3, high, k - BESIDE).0,
+                patch.shares(low, k + BESIDE, high, k + BESIDE + 3).0,
+            )
     });
     across || along
 }

@@ -120,15 +120,28 @@ fn scan(
         let along = (line as f64 + 0.5) / lines as f64 * length - length / 2.0;
         let base = frame.origin + tangent * along;
         let mut last: Option<(f64, f64)> = None;
+        // Along the line, numerators of u and v and the depth are affine.
+        let first = base + outward * (half - reach);
+        let next = outward * (0.5 * pitch);
+        let (u0, u1) = (
+            first.x * k.fx + first.z * k.cx,
+            next.x * k.fx + next.z * k.cx,
+        );
+        let (v0, v1) = (
+            first.y * k.fy + first.z * k.cy,
+            next.y * k.fy + next.z * k.cy,
+        );
         for step in 0..=steps {
-            let p = base + outward * (half - reach + step as f64 * 0.5 * pitch);
-            let (u, v) = k.project(&p);
+            let s = step as f64;
+            let z = first.z + next.z * s;
+            let inverse = 1.0 / z;
+            let (u, v) = ((u0 + u1 * s) * inverse, (v0 + v1 * s) * inverse);
             // Truncation is floor here: negative pixels are outside and end the line.
             let pixel = (((u + 0.5) as i64) as f64, ((v + 0.5) as i64) as f64);
             if last == Some(pixel) {
                 continue;
             }
-            match image.class(u, v, p.z, tolerance) {
+            match image.class(u, v, z, tolerance) {
                 Class::On => last = Some(pixel),
                 Class::Near | Class::Outside => break,
                 Class::Deep | Class::Hole => {

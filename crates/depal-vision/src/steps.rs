@@ -1,59 +1,140 @@
 //! Stage 2: the step mask. A pixel is surface when nothing within two pixels is much nearer.
 
+use crate::gate::DepthImage;
+
 /// Half of the window: 5 x 5 pixels, so that a line of gap pixels parts two surfaces even where
 /// noise has closed it for up to four pixels.
 const REACH: usize = 2;
+const WINDOW: usize = 2 * REACH + 1;
 
 /// 1 for surface pixels at least two pixels away from every step, hole and border of the region.
-pub fn surface_mask(
-    depth: &[f32],
-    inside: &[u8],
-    width: usize,
-    height: usize,
-    step: f64,
-) -> Vec<u8> {
+///
+/// Two running minima of 5 x 5, one over depth and one over what is surface, go down the image
+/// together, so that only a dozen rows are in use at a time.
+pub fn surface_mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
     let step = step as f32;
-    let far: Vec<f32> = depth
-        .iter()
-        .map(|&z| if z > 0.0 { z } else { f32::MAX })
-        .collect();
-    let nearest = windowed(&far, width, height, f32::MAX);
-    let surface: Vec<u8> = depth
-        .iter()
-        .zip(&nearest)
-        .zip(inside)
-        .map(|((&z, &low), &inside)| inside & u8::from(z - low < step))
-        .collect();
-    windowed(&surface, width, height, 0)
+    let (width, height) = (image.width, image.height);
+    let mut mask = vec![0u8; width * height];
+    let (top, bottom) = image.window.rows;
+    let mut nearest = RollingMin::new(width, f32::MAX);
+    let mut eroded = RollingMin::new(width, 0u8);
+    let mut filled = vec![FilledRow::new(width); WINDOW];
+    let mut low = vec![f32::MAX; width];
+    let mut surface = vec![0u8; width];
+    let mut holes = holes.iter().peekable();
+    for v in top.saturating_sub(REACH)..bottom + 2 * REACH {
+        // Row v comes in; the depth window is complete for row v - 2, the surface window for v - 4.
+        if v < height {
+            let row = &mut filled[v % WINDOW];
+            row.fetch(image, v);
+            while let Some((i, z)) = holes.next_if(|(i, _)| *i < (v + 1) * width) {
+                if *i >= v * width {
+                    row.depth[i - v * width] = *z;
+                    row.inside[i - v * width] = 1;
+                }
+            }
+            nearest.push(v, &row.depth);
+        } else {
+            nearest.push_outside(v);
+        }
+        let Some(middle) = v.checked_sub(REACH) else {
+            continue;
+        };
+        if middle >= top && middle < bottom.min(height) {
+            nearest.minimum(&mut low);
+            let row = &filled[middle % WINDOW];
+            for (out, ((&z, &low), &inside)) in surface
+                .iter_mut()
+                .zip(row.depth.iter().zip(&low).zip(&row.inside))
+            {
+                *out = inside & u8::from(z - low < step);
+            }
+            eroded.push(middle, &surface);
+        } else {
+            eroded.push_outside(middle);
+        }
+        if let Some(done) = middle.checked_sub(REACH)
+            && done >= top
+            && done < bottom.min(height)
+        {
+            eroded.minimum(&mut mask[done * width..(done + 1) * width]);
+        }
+    }
+    mask
 }
 
-/// Running minimum over the square window; `outside` stands for pixels beyond the image.
-fn windowed<T: Copy + PartialOrd>(image: &[T], width: usize, height: usize, outside: T) -> Vec<T> {
-    let min = |a: T, b: T| if b < a { b } else { a };
-    let mut rows = image.to_vec();
-    let mut padded = vec![outside; width + 2 * REACH];
-    for (source, target) in image.chunks_exact(width).zip(rows.chunks_exact_mut(width)) {
-        padded[REACH..REACH + width].copy_from_slice(source);
-        for (window, out) in padded.windows(2 * REACH + 1).zip(target) {
+#[derive(Clone)]
+struct FilledRow {
+    /// Metres, `f32::MAX` where nothing was measured.
+    depth: Vec<f32>,
+    inside: Vec<u8>,
+}
+
+impl FilledRow {
+    fn new(width: usize) -> Self {
+        Self {
+            depth: vec![f32::MAX; width],
+            inside: vec![0; width],
+        }
+    }
+
+    fn fetch(&mut self, image: &DepthImage, v: usize) {
+        let range = v * image.width..(v + 1) * image.width;
+        for (out, &z) in self.depth.iter_mut().zip(&image.depth[range.clone()]) {
+            *out = if z > 0.0 { z } else { f32::MAX };
+        }
+        self.inside.copy_from_slice(&image.in_region[range]);
+    }
+}
+
+/// Minimum over the last five rows pushed and five columns.
+struct RollingMin<T> {
+    /// Row minima over five columns, by row number modulo five.
+    rows: Vec<Vec<T>>,
+    padded: Vec<T>,
+    outside: T,
+}
+
+impl<T: Copy + PartialOrd> RollingMin<T> {
+    /// `outside` stands for pixels beyond the image.
+    fn new(width: usize, outside: T) -> Self {
+        Self {
+            rows: vec![vec![outside; width]; WINDOW],
+            padded: vec![outside; width + 2 * REACH],
+            outside,
+        }
+    }
+
+    fn push(&mut self, v: usize, row: &[T]) {
+        let min = |a: T, b: T| if b < a { b } else { a };
+        let width = row.len();
+        self.padded[REACH..REACH + width].copy_from_slice(row);
+        let shifted: [&[T]; WINDOW] = std::array::from_fn(|k| &self.padded[k..k + width]);
+        let out = &mut self.rows[v % WINDOW];
+        for (u, out) in out.iter_mut().enumerate() {
             *out = min(
-                min(min(window[0], window[1]), min(window[2], window[3])),
-                window[4],
+                min(
+                    min(shifted[0][u], shifted[1][u]),
+                    min(shifted[2][u], shifted[3][u]),
+                ),
+                shifted[4][u],
             );
         }
     }
-    let mut result = rows.clone();
-    let blank = vec![outside; width];
-    let row = |v: Option<usize>| match v {
-        Some(v) if v < height => &rows[v * width..(v + 1) * width],
-        _ => &blank[..],
-    };
-    for (v, target) in result.chunks_exact_mut(width).enumerate() {
-        let others = [v.checked_sub(2), v.checked_sub(1), Some(v + 1), Some(v + 2)].map(row);
-        for other in others {
-            for (out, &value) in target.iter_mut().zip(other) {
-                *out = min(*out, value);
-            }
+
+    fn push_outside(&mut self, v: usize) {
+        self.rows[v % WINDOW].fill(self.outside);
+    }
+
+    fn minimum(&self, out: &mut [T]) {
+        let min = |a: T, b: T| if b < a { b } else { a };
+        let width = out.len();
+        let rows: [&[T]; WINDOW] = std::array::from_fn(|k| &self.rows[k][..width]);
+        for (u, out) in out.iter_mut().enumerate() {
+            *out = min(
+                min(min(rows[0][u], rows[1][u]), min(rows[2][u], rows[3][u])),
+                rows[4][u],
+            );
         }
     }
-    result
 }

@@ -1,5 +1,7 @@
 //! One flat surface: its plane, its direction, and the cartons on it.
 
+use depal_frames::Intrinsics;
+
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
     arrange::{arrange, touches},
@@ -7,12 +9,17 @@ use crate::{
     gate::DepthImage,
     measure::measure_whole,
     orientation::{main_direction, outline},
-    patch::{Patch, pixel_pitch},
+    patch::{Class, Patch, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
     search::{Candidate, extents, search},
     sides::fit_rectangle,
     verify::{LEAST_SEEN, Proof, verify},
 };
+
+/// How far a patch reaches beyond its surface, metres.
+const MARGIN: f64 = 0.030;
+/// A stripe without measurement this wide may run through a carton (black tape), metres.
+const WIDEST_TAPE: f64 = 0.060;
 
 /// A piece of the step mask that lies on a plane roughly facing the camera.
 pub struct Surface {
@@ -29,7 +36,6 @@ impl Surface {
     /// `Err(None)`: too small to be the visible rest of a carton.
     pub fn new(
         component: Component,
-        depth: &[f32],
         image: &DepthImage,
         settings: &VisionSettings,
         smallest: f64,
@@ -43,8 +49,11 @@ impl Surface {
             let length = run.last - run.first + 1;
             while skip < length {
                 let u = run.first + skip;
-                let z = depth[run.row * image.width + u];
-                samples.push((u as f64, run.row as f64, f64::from(z)));
+                let z = image.depth[run.row * image.width + u];
+                // Lone holes count as surface but measure nothing.
+                if z > 0.0 {
+                    samples.push((u as f64, run.row as f64, f64::from(z)));
+                }
                 skip += stride;
             }
             skip -= length;
@@ -91,6 +100,28 @@ impl Surface {
         }
     }
 
+    /// True when its first and last row, or its outermost columns, lie farther apart than that, metres.
+    fn spans_more_than(&self, image: &DepthImage, distance: f64) -> bool {
+        let runs = &self.component.runs;
+        let (Some(top), Some(bottom)) = (runs.first(), runs.last()) else {
+            return false;
+        };
+        let (mut left, mut right) = (*top, *top);
+        for run in runs {
+            if run.first < left.first {
+                left = *run;
+            }
+            if run.last > right.last {
+                right = *run;
+            }
+        }
+        let at =
+            |u: usize, row: usize| self.frame.of_pixel(&image.intrinsics, u as f64, row as f64);
+        let apart = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) > distance;
+        apart(at(top.first, top.row), at(bottom.last, bottom.row))
+            || apart(at(left.first, left.row), at(right.last, right.row))
+    }
+
     /// Resampled along its main direction.
     fn patch(
         &self,
@@ -98,7 +129,9 @@ impl Surface {
         image: &DepthImage,
         settings: &VisionSettings,
     ) -> Result<Patch, RejectedSurface> {
-        const MARGIN: f64 = 0.030;
+        if self.spans_more_than(image, settings.max_surface_side * std::f64::consts::SQRT_2) {
+            return Err(self.rejected(RejectReason::Background));
+        }
         let pitch = pixel_pitch(&self.frame, &image.intrinsics);
         let border = outline(&self.component, mask, image, &self.frame);
         let yaw = main_direction(&border, 2.0 * pitch);
@@ -143,7 +176,7 @@ impl Surface {
         settings: &VisionSettings,
     ) -> Result<DetectedBox, RejectedSurface> {
         let patch = self.patch(mask, image, settings)?;
-        measure_whole(&patch, image, settings, self.area)
+        measure_whole(&patch, image, settings, self.area, MARGIN)
     }
 
     /// Boxes whose outline can be seen, and those that follow from covering the rest.
@@ -171,6 +204,10 @@ impl Surface {
         if arrangement.ambiguous {
             rejected.push(self.rejected(RejectReason::Ambiguous));
         }
+        if !stands(&patch, image, settings, &arrangement.boxes) {
+            rejected.push(self.rejected(RejectReason::NoKnownSize));
+            return boxes;
+        }
         for (candidate, start) in settle(image, settings, &patch, &arrangement.boxes, &fixed) {
             match verify(
                 image,
@@ -192,9 +229,60 @@ impl Surface {
     }
 }
 
+/// Whether what lies beyond the outer sides of arranged boxes is as deep as they are high: a slip
+/// sheet of the size of a whole layer is covered by cartons as well, but stands on no height.
+fn stands(
+    patch: &Patch,
+    image: &DepthImage,
+    settings: &VisionSettings,
+    boxes: &[Candidate],
+) -> bool {
+    const BEYOND: f64 = 0.020;
+    const SAMPLES: usize = 40;
+    const ENOUGH: usize = 40;
+    let k = &image.intrinsics;
+    let mut drops = Vec::new();
+    let mut height = f64::MAX;
+    for b in boxes {
+        let size = &settings.sizes[b.label as usize];
+        height = height.min(size.height);
+        let half = extents(size, b.turned).map(|e| e / 2.0);
+        let (x, y) = b.centre(patch);
+        for side in 0..4 {
+            let sign = if side % 2 == 0 { -1.0 } else { 1.0 };
+            for n in 0..SAMPLES {
+                let along = (n as f64 + 0.5) / SAMPLES as f64 * 2.0 - 1.0;
+                let p = if side < 2 {
+                    patch
+                        .frame
+                        .point(x + sign * (half[0] + BEYOND), y + along * half[1])
+                } else {
+                    patch
+                        .frame
+                        .point(x + along * half[0], y + sign * (half[1] + BEYOND))
+                };
+                let (u, v) = k.project(&p);
+                if image.class(u, v, p.z, settings.plane_tolerance) == Class::Deep {
+                    let i = (v + 0.5) as usize * image.width + (u + 0.5) as usize;
+                    drops.push(f64::from(image.depth[i]) - p.z);
+                }
+            }
+        }
+    }
+    if drops.len() < ENOUGH || !height.is_finite() {
+        return true;
+    }
+    let high = drops.len() * 9 / 10;
+    let drop = *drops.select_nth_unstable_by(high, f64::total_cmp).1;
+    drop > 0.9 * height - 0.005
+}
+
 /// Groups (indices, ascending) of surfaces that lie side by side on one plane.
-pub fn neighbours(surfaces: &[Surface], settings: &VisionSettings) -> Vec<Vec<usize>> {
-    const REACH: usize = 16;
+pub fn neighbours(
+    surfaces: &[Surface],
+    intrinsics: &Intrinsics,
+    settings: &VisionSettings,
+) -> Vec<Vec<usize>> {
     let bounds: Vec<[usize; 4]> = surfaces
         .iter()
         .map(|s| {
@@ -213,10 +301,12 @@ pub fn neighbours(surfaces: &[Surface], settings: &VisionSettings) -> Vec<Vec<us
         .collect();
     let beside = |a: usize, b: usize| {
         let (p, q) = (bounds[a], bounds[b]);
-        let close = p[0] <= q[1] + REACH
-            && q[0] <= p[1] + REACH
-            && p[2] <= q[3] + REACH
-            && q[2] <= p[3] + REACH;
+        // The mask ends two pixels inside both borders.
+        let reach = (WIDEST_TAPE / pixel_pitch(&surfaces[a].frame, intrinsics)) as usize + 4;
+        let close = p[0] <= q[1] + reach
+            && q[0] <= p[1] + reach
+            && p[2] <= q[3] + reach
+            && q[2] <= p[3] + reach;
         let level = |a: &Surface, b: &Surface| {
             let ray = b.frame.origin.coords / b.frame.origin.z;
             (a.frame.plane.depth(&ray) - b.frame.origin.z).abs() < settings.plane_tolerance

@@ -82,12 +82,12 @@ fn check(
     }
     let mut misfit = 0.0f64;
     let mut measured = extents;
-    for axis in 0..2 {
+    for (axis, measured) in measured.iter_mut().enumerate() {
         let (low, high) = (fit.sides[2 * axis], fit.sides[2 * axis + 1]);
         if low.seen >= LEAST_SEEN && high.seen >= LEAST_SEEN {
             let error = low.offset + high.offset + 2.0 * INSET_PIXELS * pitch;
             misfit = misfit.max(error.abs());
-            measured[axis] += error;
+            *measured += error;
         }
     }
     let allowed = settings.size_tolerance + pitch;

@@ -108,6 +108,7 @@ fn a_partly_emptied_layer_shows_two_heights() {
     let scene = Scene {
         solids,
         floor: synthetic::FLOOR,
+        lean: 0.0,
     };
     let detection = detect(&scene.frame(70), &settings());
     let score = score(&detection, &scene);
@@ -139,6 +140,7 @@ fn bare_boards_and_floor_give_nothing() {
     let scene = Scene {
         solids: pallet(),
         floor: synthetic::FLOOR,
+        lean: 0.0,
     };
     let detection = detect(&scene.frame(80), &settings());
     assert_eq!(detection.boxes, []);

@@ -107,9 +107,10 @@ fn box_json(found: &DetectedBox) -> Value {
     let at = found.camera_from_box.translation.vector * 1e3;
     let q = found.camera_from_box.rotation;
     let [l, w, h] = found.size.to_mm().map(|side| round(side, 1e3));
+    let centre = [at.x, at.y, at.z].map(|x| round(x, 1e6));
     let height = if h > 0.0 { json!(h) } else { Value::Null };
     json!({
-        "center_mm": ([at.x, at.y, at.z].map(|x| round(x, 1e6))),
+        "center_mm": centre,
         "quat_wxyz": [q.w, q.i, q.j, q.k],
         "size_mm": [json!(l), json!(w), height],
         "label": found.label,
@@ -154,8 +155,15 @@ mod tests {
             assert!((side - mm).abs() < 1e-9);
         }
         for wrong in [
-            "", "400", "400x300", "400x300x250x1", "ax1x1", "400x-300x250", "400x300xNaN",
-            "1x1x1", "400x300xinf",
+            "",
+            "400",
+            "400x300",
+            "400x300x250x1",
+            "ax1x1",
+            "400x-300x250",
+            "400x300xNaN",
+            "1x1x1",
+            "400x300xinf",
         ] {
             let message = parse_size(wrong).unwrap_err();
             assert!(message.contains("400x300x250"), "{message}");

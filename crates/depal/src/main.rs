@@ -7,6 +7,7 @@ mod exec;
 mod exec_output;
 mod image_file;
 mod failure;
+mod image_file;
 mod output;
 mod overlay;
 mod progress;

@@ -16,6 +16,8 @@ pub struct Solid {
     pub width: f64,
     pub top: f64,
     pub bottom: f64,
+    /// Turn about its own X through the middle of the top, radians.
+    pub tilt: f64,
     /// True for a carton whose top should be found.
     pub wanted: bool,
 }
@@ -23,6 +25,8 @@ pub struct Solid {
 pub struct Scene {
     pub solids: Vec<Solid>,
     pub floor: f64,
+    /// The camera is turned about its X around a point on its axis, radians: all else leans.
+    pub lean: f64,
 }
 
 pub const BASELINE: f64 = 0.3;
@@ -52,24 +56,31 @@ impl Solid {
             width,
             top,
             bottom,
+            tilt: 0.0,
             wanted: false,
         }
+    }
+
+    /// Out of the top, in the scene.
+    fn normal(&self) -> depal_frames::Vector {
+        let tilted = depal_frames::Vector::new(0.0, self.tilt.sin(), -self.tilt.cos());
+        depal_frames::Rotation::new(depal_frames::Vector::z() * self.yaw) * tilted
     }
 
     /// Depths where the line `origin + s direction` (per unit s) enters; None when it misses.
     fn enter(&self, origin: [f64; 3], direction: [f64; 3]) -> Option<f64> {
         let (s, c) = self.yaw.sin_cos();
         let (ox, oy) = (origin[0] - self.x, origin[1] - self.y);
-        let o = [
-            ox * c + oy * s,
-            oy * c - ox * s,
-            origin[2] - f64::midpoint(self.top, self.bottom),
-        ];
+        let o = [ox * c + oy * s, oy * c - ox * s, origin[2] - self.top];
         let d = [
             direction[0] * c + direction[1] * s,
             direction[1] * c - direction[0] * s,
             direction[2],
         ];
+        let (s, c) = self.tilt.sin_cos();
+        let tilted = |p: [f64; 3]| [p[0], p[1] * c + p[2] * s, p[2] * c - p[1] * s];
+        let (mut o, d) = (tilted(o), tilted(d));
+        o[2] -= (self.bottom - self.top) / 2.0;
         let half = [
             self.length / 2.0,
             self.width / 2.0,
@@ -114,19 +125,42 @@ fn normal(r: &mut Bits) -> f64 {
 impl Scene {
     /// Exact depths; pixels the projector does not reach are 0.
     pub fn ideal(&self, k: &Intrinsics) -> Vec<f32> {
-        let mut depth = vec![self.floor; k.width * k.height];
+        let scene_from_camera = self.scene_from_camera();
+        let camera_from_scene = scene_from_camera.inverse();
+        let eye = scene_from_camera.translation.vector;
+        let eye = [eye.x, eye.y, eye.z];
+        let turned = |ray: depal_frames::Vector| {
+            let r = scene_from_camera.rotation * ray;
+            [r.x, r.y, r.z]
+        };
+        let mut depth = vec![0.0; k.width * k.height];
+        for row in 0..k.height {
+            for column in 0..k.width {
+                let ray = turned(k.ray(column as f64, row as f64));
+                depth[row * k.width + column] = (self.floor - eye[2]) / ray[2];
+            }
+        }
         for solid in &self.solids {
             let radius = solid.length.hypot(solid.width) / 2.0;
+            let rise = radius * solid.tilt.sin().abs();
             let (mut u, mut v) = ([f64::MAX, f64::MIN], [f64::MAX, f64::MIN]);
-            for z in [solid.top, solid.bottom] {
-                for sign in [-1.0, 1.0] {
-                    let (pu, pv) = (
-                        (solid.x + sign * radius) / z * k.fx + k.cx,
-                        (solid.y + sign * radius) / z * k.fy + k.cy,
+            for corner in 0..8 {
+                let sign = |bit: usize| if corner & bit == 0 { -1.0 } else { 1.0 };
+                let z = if corner & 4 == 0 {
+                    solid.top - rise
+                } else {
+                    solid.bottom + rise
+                };
+                let side = radius + rise + solid.tilt.sin().abs() * (solid.bottom - solid.top);
+                let p = camera_from_scene
+                    * depal_frames::Point::new(
+                        solid.x + sign(1) * side,
+                        solid.y + sign(2) * side,
+                        z,
                     );
-                    u = [u[0].min(pu), u[1].max(pu)];
-                    v = [v[0].min(pv), v[1].max(pv)];
-                }
+                let (pu, pv) = k.project(&p);
+                u = [u[0].min(pu), u[1].max(pu)];
+                v = [v[0].min(pv), v[1].max(pv)];
             }
             let range = |r: [f64; 2], n: usize| {
                 (r[0].floor().clamp(0.0, n as f64) as usize)
@@ -134,35 +168,44 @@ impl Scene {
             };
             for row in range(v, k.height) {
                 for column in range(u, k.width) {
-                    let ray = k.ray(column as f64, row as f64);
-                    if let Some(z) = solid.enter([0.0; 3], [ray.x, ray.y, 1.0]) {
+                    let ray = turned(k.ray(column as f64, row as f64));
+                    if let Some(z) = solid.enter(eye, ray) {
                         let d = &mut depth[row * k.width + column];
                         *d = d.min(z);
                     }
                 }
             }
         }
+        let projector = scene_from_camera * depal_frames::Point::new(BASELINE, 0.0, 0.0);
+        let projector = [projector.x, projector.y, projector.z];
         let highest = self.solids.iter().fold(self.floor, |h, s| h.min(s.top));
         let mut lit = vec![0.0f32; depth.len()];
         for row in 0..k.height {
             for column in 0..k.width {
                 let z = depth[row * k.width + column];
-                let ray = k.ray(column as f64, row as f64);
-                let p = [ray.x * z, ray.y * z, z];
+                let ray = turned(k.ray(column as f64, row as f64));
+                let p: [f64; 3] = std::array::from_fn(|i| eye[i] + ray[i] * z);
                 // From the projector to the point; s = 1 at the point.
-                let d = [p[0] - BASELINE, p[1], p[2]];
-                let shift = BASELINE * (z - highest).max(0.0) / z + 0.3 * (z - highest).max(0.0);
+                let d: [f64; 3] = std::array::from_fn(|i| p[i] - projector[i]);
+                let below = (p[2] - highest).max(0.0);
+                let shift = BASELINE * below / z + (0.3 + self.lean.tan().abs()) * below;
                 let dark = self.solids.iter().any(|s| {
                     let near = s.length.max(s.width) * 0.75 + shift;
                     (s.x - p[0]).abs() < near
                         && (s.y - p[1]).abs() < near
-                        && s.enter([BASELINE, 0.0, 0.0], d)
+                        && s.enter(projector, d)
                             .is_some_and(|enter| enter * z < z - 0.002)
                 });
                 lit[row * k.width + column] = if dark { 0.0 } else { z as f32 };
             }
         }
         lit
+    }
+
+    fn scene_from_camera(&self) -> Pose {
+        let middle = depal_frames::Vector::new(0.0, 0.0, 2.5);
+        let turn = depal_frames::Rotation::new(depal_frames::Vector::x() * self.lean);
+        Pose::from_parts((middle - turn * middle).into(), turn)
     }
 
     /// Share of a top that camera and projector reach.
@@ -190,7 +233,11 @@ impl Scene {
 
     /// What the sensor delivers.
     pub fn frame(&self, seed: u64) -> DepthFrame {
-        let k = camera();
+        self.frame_of(camera(), seed)
+    }
+
+    /// What a sensor with other intrinsics delivers.
+    pub fn frame_of(&self, k: Intrinsics, seed: u64) -> DepthFrame {
         let ideal = self.ideal(&k);
         let (w, h) = (k.width, k.height);
         let mut r = Bits(RandomStreams::new(seed).stream("sensor").next_u64());
@@ -324,6 +371,7 @@ pub fn layer(
                 width: 0.3,
                 top: top + r.uniform(-0.0005, 0.0005) * free,
                 bottom: top + 0.25,
+                tilt: 0.0,
                 wanted,
             }
         })
@@ -342,6 +390,7 @@ pub fn stack(layers: usize, gap: f64, seed: u64) -> Scene {
     Scene {
         solids,
         floor: FLOOR,
+        lean: 0.0,
     }
 }
 
@@ -367,7 +416,8 @@ impl Score {
     pub fn add<'a>(&mut self, scene: &Scene, boxes: impl Iterator<Item = &'a Pose>) {
         let mut open: Vec<&Solid> = scene.solids.iter().filter(|s| s.wanted).collect();
         self.wanted += open.len();
-        for pose in boxes {
+        for camera_from_box in boxes {
+            let pose = scene.scene_from_camera() * camera_from_box;
             let p = pose.translation.vector;
             let nearest = open
                 .iter()
@@ -389,7 +439,7 @@ impl Score {
                 xy_mm: xy * 1e3,
                 z_mm: z * 1e3,
                 yaw_deg: yaw.abs().to_degrees(),
-                tilt_deg: (-normal.z).clamp(-1.0, 1.0).acos().to_degrees(),
+                tilt_deg: normal.angle(&solid.normal()).to_degrees(),
             });
         }
     }

@@ -27,7 +27,10 @@ fn depth_comes_back_to_the_step() {
     assert!((coarse[100] - 1.0).abs() < 1e-6);
     // Deeper than 16 bits can say is invalid, not wrapped.
     let far = depth_png(&i, &vec![7.0; 1200]).expect("encodes");
-    assert_eq!(decode_depth(&far, &i, 1e-4).expect("decodes"), vec![0.0; 1200]);
+    assert_eq!(
+        decode_depth(&far, &i, 1e-4).expect("decodes"),
+        vec![0.0; 1200]
+    );
 }
 
 #[test]
@@ -36,7 +39,10 @@ fn every_truncation_is_an_error() {
     let whole = some_depth(&i);
     // The last 12 bytes are the end mark, which holds nothing.
     for length in 0..whole.len() - 16 {
-        assert!(decode_depth(&whole[..length], &i, 1e-4).is_err(), "{length}");
+        assert!(
+            decode_depth(&whole[..length], &i, 1e-4).is_err(),
+            "{length}"
+        );
     }
 }
 
