@@ -79,7 +79,11 @@ impl Arm {
         source_name: &str,
         max_accelerations: &[f64],
     ) -> Result<Self, ArmError> {
-        Self::load(text, source_name, &Accelerations::PerJoint(max_accelerations))
+        Self::load(
+            text,
+            source_name,
+            &Accelerations::PerJoint(max_accelerations),
+        )
     }
 
     /// Reads a URDF and gives every joint the same acceleration limit, rad/s2: for questions of geometry,
@@ -146,7 +150,10 @@ impl Arm {
             }
         }
         for (i, limit) in self.limits.iter_mut().enumerate() {
-            for (what, value) in [("speed", max_speeds[i]), ("acceleration", max_accelerations[i])] {
+            for (what, value) in [
+                ("speed", max_speeds[i]),
+                ("acceleration", max_accelerations[i]),
+            ] {
                 if !(value > 0.0 && value.is_finite()) {
                     return Err(ArmError::NotPositive {
                         file: self.name,
@@ -260,7 +267,12 @@ impl Arm {
         near: &JointPositions,
     ) -> Option<JointPositions> {
         let mut solutions = Vec::new();
-        if matches!(self.inverse, Inverse::Numeric) && base_from_flange.translation.vector.iter().all(|v| v.is_finite())
+        if matches!(self.inverse, Inverse::Numeric)
+            && base_from_flange
+                .translation
+                .vector
+                .iter()
+                .all(|v| v.is_finite())
             && let Some(found) = numeric::descend(&self.chain, &self.limits, base_from_flange, near)
         {
             return Some(found);
@@ -280,8 +292,16 @@ impl Arm {
         base_from_flange: &Pose,
         near: Option<&JointPositions>,
     ) -> Vec<JointPositions> {
-        let finite = base_from_flange.translation.vector.iter().all(|v| v.is_finite())
-            && base_from_flange.rotation.coords.iter().all(|v| v.is_finite());
+        let finite = base_from_flange
+            .translation
+            .vector
+            .iter()
+            .all(|v| v.is_finite())
+            && base_from_flange
+                .rotation
+                .coords
+                .iter()
+                .all(|v| v.is_finite());
         if !finite {
             return Vec::new();
         }

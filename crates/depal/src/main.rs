@@ -3,7 +3,9 @@
 mod check;
 mod diagnostics;
 mod failure;
+mod kinematics;
 mod output;
+mod plan;
 mod progress;
 mod replay;
 mod replay_setup;
@@ -48,6 +50,32 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         png: Option<PathBuf>,
     },
+    /// Plan ways from posture to posture among boxes.
+    ///
+    /// Exit codes: 0 all solved; 1 some not, each with its reason; 2 bad input.
+    Plan {
+        /// Robot, obstacles and problems as JSON.
+        #[arg(value_name = "PROBLEM.json")]
+        problem: PathBuf,
+        /// Print the results as one JSON document on stdout.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Random postures of an arm inside its limits: poses of its links, and all postures with the same flange pose.
+    Kinematics {
+        /// The arm.
+        #[arg(value_name = "ARM.urdf")]
+        urdf: PathBuf,
+        /// How many postures.
+        #[arg(long, value_name = "N", default_value_t = 10)]
+        samples: usize,
+        /// Seed of the postures.
+        #[arg(long, value_name = "S", default_value_t = 1)]
+        seed: u64,
+        /// Print one JSON document on stdout.
+        #[arg(long)]
+        json: bool,
+    },
 }
 
 #[derive(Args, Default)]
@@ -76,6 +104,13 @@ fn main() -> ExitCode {
         None => run::demo(),
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Check { files }) => check::check(&files),
+        Some(Command::Plan { problem, json }) => plan::plan(&problem, json),
+        Some(Command::Kinematics {
+            urdf,
+            samples,
+            seed,
+            json,
+        }) => kinematics::kinematics(&urdf, samples, seed, json),
         Some(Command::Replay { recording, png }) => replay::replay(&recording, png.as_deref()),
     };
     match result {
