@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use depal_frames::{JointPositions, PlacedShape, Pose, convert};
 
 use crate::{
@@ -394,7 +396,25 @@ pub(crate) fn oracle_pose(
     loaded: &Loaded,
     joints: &JointPositions,
 ) -> Pose {
+    let mut positions: BTreeMap<&str, f64> = BTreeMap::new();
     for (name, &position) in loaded.joint_names.iter().zip(joints.iter()) {
+        positions.insert(name, position);
+    }
+    // A node does not move its mimics: chains of them are followed until nothing new is known.
+    let mimics = || {
+        let joints = loaded.robot.joints.iter();
+        joints.filter_map(|j| Some((j.name.as_str(), j.mimic.as_ref()?)))
+    };
+    for _ in mimics() {
+        for (name, mimic) in mimics() {
+            if let Some(master) = positions.get(mimic.joint.as_str()) {
+                let position =
+                    mimic.multiplier.unwrap_or(1.0) * master + mimic.offset.unwrap_or(0.0);
+                positions.insert(name, position);
+            }
+        }
+    }
+    for (name, &position) in &positions {
         if let Some(node) = oracle.find(name) {
             node.set_joint_position_unchecked(position);
         }
