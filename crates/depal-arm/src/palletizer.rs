@@ -81,7 +81,7 @@ impl Palletizer {
     ) -> Vec<Vec<f64>> {
         let turn = base_from_flange.rotation * self.base_from_flange.rotation.inverse();
         let tilt = turn * Vector::z() - Vector::z();
-        if !(tilt.norm() < 1e-6) {
+        if tilt.norm() > 1e-6 {
             return Vec::new();
         }
         let ahead = turn * Vector::x();
@@ -119,7 +119,7 @@ fn triangle(upper: (f64, f64), fore: (f64, f64), target: (f64, f64)) -> Vec<(f64
     }
     let cosine = (a * a + c * c - b * b) / (2.0 * a * c);
     // Stretched out the cosine is 1 but for rounding.
-    if !(cosine.abs() <= 1.0 + 1e-12) {
+    if cosine.is_nan() || cosine.abs() > 1.0 + 1e-12 {
         return Vec::new();
     }
     let opening = cosine.clamp(-1.0, 1.0).acos();

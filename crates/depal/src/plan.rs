@@ -148,7 +148,7 @@ fn scene(path: &Path, file: &File) -> Result<TransferScene, Failure> {
 }
 
 fn placed(cuboid: &Cuboid) -> Result<PlacedShape, String> {
-    if let Some(side) = cuboid.size.iter().find(|s| !(**s > 0.0)) {
+    if let Some(side) = cuboid.size.iter().find(|s| **s <= 0.0) {
         return Err(format!("size {side} m, expected a positive length"));
     }
     let pose = pose(
