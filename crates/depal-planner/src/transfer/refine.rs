@@ -43,9 +43,10 @@ impl Route {
     }
 
     pub fn path(&self) -> BlendedPath {
-        let blends = match self.stops {
-            true => vec![0.0; self.points.len()],
-            false => fitting_blends(&self.points, &self.shares),
+        let blends = if self.stops {
+            vec![0.0; self.points.len()]
+        } else {
+            fitting_blends(&self.points, &self.shares)
         };
         BlendedPath::new(&self.points, &blends)
     }
