@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use depal_frames::{JointPositions, PlacedShape, Pose, convert};
 
 use crate::{
@@ -79,7 +81,11 @@ impl Arm {
         source_name: &str,
         max_accelerations: &[f64],
     ) -> Result<Self, ArmError> {
-        Self::load(text, source_name, &Accelerations::PerJoint(max_accelerations))
+        Self::load(
+            text,
+            source_name,
+            &Accelerations::PerJoint(max_accelerations),
+        )
     }
 
     /// Reads a URDF and gives every joint the same acceleration limit, rad/s2: for questions of geometry,
@@ -146,7 +152,10 @@ impl Arm {
             }
         }
         for (i, limit) in self.limits.iter_mut().enumerate() {
-            for (what, value) in [("speed", max_speeds[i]), ("acceleration", max_accelerations[i])] {
+            for (what, value) in [
+                ("speed", max_speeds[i]),
+                ("acceleration", max_accelerations[i]),
+            ] {
                 if !(value > 0.0 && value.is_finite()) {
                     return Err(ArmError::NotPositive {
                         file: self.name,
@@ -260,7 +269,12 @@ impl Arm {
         near: &JointPositions,
     ) -> Option<JointPositions> {
         let mut solutions = Vec::new();
-        if matches!(self.inverse, Inverse::Numeric) && base_from_flange.translation.vector.iter().all(|v| v.is_finite())
+        if matches!(self.inverse, Inverse::Numeric)
+            && base_from_flange
+                .translation
+                .vector
+                .iter()
+                .all(|v| v.is_finite())
             && let Some(found) = numeric::descend(&self.chain, &self.limits, base_from_flange, near)
         {
             return Some(found);
@@ -280,8 +294,16 @@ impl Arm {
         base_from_flange: &Pose,
         near: Option<&JointPositions>,
     ) -> Vec<JointPositions> {
-        let finite = base_from_flange.translation.vector.iter().all(|v| v.is_finite())
-            && base_from_flange.rotation.coords.iter().all(|v| v.is_finite());
+        let finite = base_from_flange
+            .translation
+            .vector
+            .iter()
+            .all(|v| v.is_finite())
+            && base_from_flange
+                .rotation
+                .coords
+                .iter()
+                .all(|v| v.is_finite());
         if !finite {
             return Vec::new();
         }
@@ -374,7 +396,25 @@ pub(crate) fn oracle_pose(
     loaded: &Loaded,
     joints: &JointPositions,
 ) -> Pose {
+    let mut positions: BTreeMap<&str, f64> = BTreeMap::new();
     for (name, &position) in loaded.joint_names.iter().zip(joints.iter()) {
+        positions.insert(name, position);
+    }
+    // A node does not move its mimics: chains of them are followed until nothing new is known.
+    let mimics = || {
+        let joints = loaded.robot.joints.iter();
+        joints.filter_map(|j| Some((j.name.as_str(), j.mimic.as_ref()?)))
+    };
+    for _ in mimics() {
+        for (name, mimic) in mimics() {
+            if let Some(master) = positions.get(mimic.joint.as_str()) {
+                let position =
+                    mimic.multiplier.unwrap_or(1.0) * master + mimic.offset.unwrap_or(0.0);
+                positions.insert(name, position);
+            }
+        }
+    }
+    for (name, &position) in &positions {
         if let Some(node) = oracle.find(name) {
             node.set_joint_position_unchecked(position);
         }

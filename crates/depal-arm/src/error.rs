@@ -116,7 +116,9 @@ pub enum ArmError {
         joint: String,
     },
     /// Joints that this crate cannot move.
-    #[error("{file}: joint '{joint}': {what} is not supported; expected revolute, continuous or fixed")]
+    #[error(
+        "{file}: joint '{joint}': {what} is not supported; expected revolute, continuous or fixed"
+    )]
     UnsupportedJoint {
         /// Name of the source.
         file: String,
@@ -190,7 +192,9 @@ pub enum ArmError {
 #[non_exhaustive]
 pub enum ArmWarning {
     /// Mesh files are not read.
-    #[error("link '{link}' <{element}>: mesh '{mesh}' is not read; the link has no such body there")]
+    #[error(
+        "link '{link}' <{element}>: mesh '{mesh}' is not read; the link has no such body there"
+    )]
     MeshSkipped {
         /// The link.
         link: String,

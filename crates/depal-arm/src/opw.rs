@@ -26,13 +26,12 @@ impl Solver {
     /// In the model's own zero the arm stands straight up: axis 1 = Z, axes 2, 3 and 5 = Y, axes 4 and 6 = Z;
     /// the model angle is `sign * joint - offset`.
     pub fn recognise(chain: &Chain, names: &[String]) -> Result<Self, String> {
-        let not = |joint: usize, reason: String| {
-            format!("joint '{}': {reason}", names[joint])
-        };
+        let not = |joint: usize, reason: String| format!("joint '{}': {reason}", names[joint]);
         let axes = chain.axes_at_zero(names.len());
-        if let Some(odd) = (0..axes.len().max(6))
-            .find(|&i| axes.get(i).is_none_or(|a| a.index != i || i >= 6 || a.offset != 0.0))
-        {
+        if let Some(odd) = (0..axes.len().max(6)).find(|&i| {
+            axes.get(i)
+                .is_none_or(|a| a.index != i || i >= 6 || a.offset != 0.0)
+        }) {
             return Err(not(
                 odd.min(names.len() - 1),
                 "not six joints in a row without mimics".to_owned(),

@@ -74,10 +74,14 @@ impl Palletizer {
     }
 
     /// Up to four postures, each angle somewhere in one turn. Empty for a flange that is not level.
-    pub fn branches(&self, base_from_flange: &Pose, near: Option<&JointPositions>) -> Vec<Vec<f64>> {
+    pub fn branches(
+        &self,
+        base_from_flange: &Pose,
+        near: Option<&JointPositions>,
+    ) -> Vec<Vec<f64>> {
         let turn = base_from_flange.rotation * self.base_from_flange.rotation.inverse();
         let tilt = turn * Vector::z() - Vector::z();
-        if !(tilt.norm() < 1e-6) {
+        if tilt.norm() > 1e-6 {
             return Vec::new();
         }
         let ahead = turn * Vector::x();
@@ -115,17 +119,14 @@ fn triangle(upper: (f64, f64), fore: (f64, f64), target: (f64, f64)) -> Vec<(f64
     }
     let cosine = (a * a + c * c - b * b) / (2.0 * a * c);
     // Stretched out the cosine is 1 but for rounding.
-    if !(cosine.abs() <= 1.0 + 1e-12) {
+    if cosine.is_nan() || cosine.abs() > 1.0 + 1e-12 {
         return Vec::new();
     }
     let opening = cosine.clamp(-1.0, 1.0).acos();
     [opening, -opening]
         .map(|open| {
             let along = angle(target) + open;
-            let rest = (
-                target.0 - a * along.cos(),
-                target.1 + a * along.sin(),
-            );
+            let rest = (target.0 - a * along.cos(), target.1 + a * along.sin());
             (along - angle(upper), angle(rest) - angle(fore))
         })
         .to_vec()

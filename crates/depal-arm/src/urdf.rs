@@ -73,6 +73,7 @@ pub(crate) fn load(
         .collect();
     for &joint in &on_way {
         check_kind(&robot.joints[joint], file)?;
+        driver(&robot, joint, file)?;
     }
     let chain_joints: Vec<usize> = on_way
         .iter()

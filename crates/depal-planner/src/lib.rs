@@ -16,6 +16,11 @@
 //! 5. Certificate: the chosen path once more with true bodies, by bisection on distance until nothing can touch between
 //!    two checked states. It yields [`PickPlan::min_clearance`].
 //!
+//! [`plan_transfer`] answers a narrower question for any arm: from one posture to another (or to a tool pose) among boxes,
+//! as fast as the limits of the arm allow. It tries the straight joint move, raised vias and a seeded search, bends the way
+//! by small changes while that saves time, flies its corners as parabolas, and proves it on the bare bodies.
+//! Its effort is counted in checks, so the answer does not depend on the computer.
+//!
 //! Units: metres, radians, seconds, kilograms, f64; collision checks run in f32.
 //! Frames: everything in the arm's base frame, Z up; a box frame sits in the middle of the top face, Z up, X along the long side.
 //!
@@ -29,6 +34,7 @@
 //! ```
 //!
 //! Limitations: one box at a time, centred on its sections; boxes must stand upright (a few degrees of tilt).
+//! [`plan_transfer`] gives joint moves only and needs 1.5 mm of room at both ends.
 
 mod bodies;
 mod candidate;

@@ -11,7 +11,7 @@ use crate::diagnostics::draw;
 use crate::failure::Failure;
 use crate::run::explain;
 
-/// Longest chain of joints whose accelerations a bare URDF is checked with; their values do not matter.
+/// Accelerations with which a bare URDF is checked, rad/s2; the value does not matter.
 const NOMINAL_ACCELERATION: f64 = 1.0;
 
 /// What was found in one file.
@@ -177,17 +177,11 @@ fn check_scene(path: &Path) -> Result<String, Vec<String>> {
 fn check_arm(path: &Path) -> Result<String, Vec<String>> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| vec![format!("cannot read {}: {error}", path.display())])?;
-    let accelerations = [NOMINAL_ACCELERATION; depal_frames::MAX_JOINTS];
-    let arm = (1..=depal_frames::MAX_JOINTS)
-        .rev()
-        .find_map(|joints| {
-            Arm::from_urdf(&text, &path.to_string_lossy(), &accelerations[..joints]).ok()
-        })
-        .map_or_else(
-            || Arm::from_urdf(&text, &path.to_string_lossy(), &accelerations[..6]),
-            Ok,
-        )
+    let arm = Arm::from_urdf_uniform(&text, &path.to_string_lossy(), NOMINAL_ACCELERATION)
         .map_err(|error| vec![error.to_string()])?;
+    for warning in arm.warnings() {
+        eprintln!("warning: {}: {warning}", path.display());
+    }
     Ok(format!(
         "good: {} with {} joints and {} links",
         arm.name(),

@@ -5,11 +5,12 @@ mod detect;
 mod diagnostics;
 mod exec;
 mod exec_output;
-mod image_file;
 mod failure;
 mod image_file;
+mod kinematics;
 mod output;
 mod overlay;
+mod plan;
 mod progress;
 mod render;
 mod replay;
@@ -84,6 +85,32 @@ enum Command {
     /// Ends at Ctrl-C or SIGTERM. Exit codes: 0 ended as told, or the replay is equal; 1 the replay differs;
     /// 2 bad input; 3 the machine does not let us (port in use, disk full).
     Serve(ServeArgs),
+    /// Plan ways from posture to posture among boxes.
+    ///
+    /// Exit codes: 0 all solved; 1 some not, each with its reason; 2 bad input.
+    Plan {
+        /// Robot, obstacles and problems as JSON.
+        #[arg(value_name = "PROBLEM.json")]
+        problem: PathBuf,
+        /// Print the results as one JSON document on stdout.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Random postures of an arm inside its limits: poses of its links, and all postures with the same flange pose.
+    Kinematics {
+        /// The arm.
+        #[arg(value_name = "ARM.urdf")]
+        urdf: PathBuf,
+        /// How many postures.
+        #[arg(long, value_name = "N", default_value_t = 10)]
+        samples: usize,
+        /// Seed of the postures.
+        #[arg(long, value_name = "S", default_value_t = 1)]
+        seed: u64,
+        /// Print one JSON document on stdout.
+        #[arg(long)]
+        json: bool,
+    },
 }
 
 #[derive(Args, Default)]
@@ -144,6 +171,13 @@ fn main() -> ExitCode {
         Some(Command::Exec(args)) => exec::exec(&args),
         Some(Command::Render(args)) => render::render(&args),
         Some(Command::Detect(args)) => detect::detect(&args),
+        Some(Command::Plan { problem, json }) => plan::plan(&problem, json),
+        Some(Command::Kinematics {
+            urdf,
+            samples,
+            seed,
+            json,
+        }) => kinematics::kinematics(&urdf, samples, seed, json),
         Some(Command::Replay { recording, png }) => replay::replay(&recording, png.as_deref()),
         Some(Command::Serve(args)) => serve::serve(&args),
     };

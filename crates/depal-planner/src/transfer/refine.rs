@@ -10,9 +10,9 @@ use super::{
 };
 
 /// Changes tried.
-const CHANGES: usize = 500;
+const CHANGES: usize = 300;
 /// States that may be checked meanwhile.
-const MOST_CHECKS: usize = 2200;
+const MOST_CHECKS: usize = 1200;
 /// Routes with more vias than this are not bent, only shortened.
 const MOST_VIAS: usize = 7;
 
@@ -43,9 +43,10 @@ impl Route {
     }
 
     pub fn path(&self) -> BlendedPath {
-        let blends = match self.stops {
-            true => vec![0.0; self.points.len()],
-            false => fitting_blends(&self.points, &self.shares),
+        let blends = if self.stops {
+            vec![0.0; self.points.len()]
+        } else {
+            fitting_blends(&self.points, &self.shares)
         };
         BlendedPath::new(&self.points, &blends)
     }
@@ -68,7 +69,7 @@ pub(crate) fn refine(checker: &mut Checker, route: Route, random: &mut RandomStr
     let last_check = checker.checks + MOST_CHECKS;
     let mut size = 0.3;
     for _ in 0..CHANGES {
-        if time <= bound * 1.04 || checker.checks > last_check {
+        if time <= bound * 1.06 || checker.checks > last_check {
             break;
         }
         let Some(changed) = change(&best, size, limits, random) else {

@@ -290,7 +290,7 @@ fn plan_to(
                     );
                 }
                 Err(None) => {
-                    "a way was found but comes too close to be proved free".clone_into(&mut failed)
+                    "a way was found but comes too close to be proved free".clone_into(&mut failed);
                 }
             }
         }
@@ -360,9 +360,10 @@ fn raised(checker: &mut Checker, start: &JointPositions, goal: &JointPositions) 
 fn plan(scene: &Scene, route: &Route, clearance: f64, found_by: &'static str) -> TransferPlan {
     let limits = scene.arm.limits();
     let points = &route.points;
-    let blends = match route.stops {
-        true => vec![0.0; points.len()],
-        false => fitting_blends(points, &route.shares),
+    let blends = if route.stops {
+        vec![0.0; points.len()]
+    } else {
+        fitting_blends(points, &route.shares)
     };
     TransferPlan {
         waypoints: points

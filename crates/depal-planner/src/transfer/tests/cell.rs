@@ -1,5 +1,8 @@
 //! A made-up arm of the 2.65 m class made of boxes, carrying a carton beside a pallet, and its 44 transfers.
 
+// The arm's figures are rounded on purpose.
+#![allow(clippy::approx_constant)]
+
 use std::fmt::Write;
 
 use depal_arm::Arm;

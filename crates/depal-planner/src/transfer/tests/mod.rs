@@ -1,3 +1,4 @@
 mod cell;
+mod hard;
 mod pallet;
 mod time_law;

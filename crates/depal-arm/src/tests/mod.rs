@@ -1,3 +1,6 @@
+mod faults;
+mod own_arms;
+
 use std::fmt::Write;
 
 use depal_frames::{JointPositions, Pose, Vector};
@@ -6,7 +9,7 @@ use proptest::prelude::*;
 
 use crate::{Arm, ArmError, arm::oracle_pose, opw::Solver, urdf};
 
-const IRB6700: &str = include_str!("../../../urdf/abb_irb6700_150_320.urdf");
+const IRB6700: &str = include_str!("../../../../urdf/abb_irb6700_150_320.urdf");
 const FILE: &str = "abb_irb6700_150_320.urdf";
 const ACCELERATIONS: [f64; 6] = [3.1, 3.1, 3.1, 7.0, 7.0, 8.7];
 
@@ -106,7 +109,12 @@ fn limits_speeds_and_masses_are_the_published_ones() {
 #[test]
 fn three_computations_of_the_flange_agree() {
     let arm = irb6700();
-    let loaded = urdf::load(IRB6700, FILE, &urdf::Accelerations::PerJoint(&ACCELERATIONS)).unwrap();
+    let loaded = urdf::load(
+        IRB6700,
+        FILE,
+        &urdf::Accelerations::PerJoint(&ACCELERATIONS),
+    )
+    .unwrap();
     let solver = Solver::recognise(&loaded.chain, &loaded.joint_names).unwrap();
     let oracle = k::Chain::<f64>::from(&loaded.robot);
     let mut random = RandomStreams::new(1).stream("forward");

@@ -1,0 +1,167 @@
+use depal_frames::{JointPositions, Pose, Rotation, Vector};
+use depal_time::RandomStreams;
+
+use super::{distance, random_joints};
+use crate::{Arm, ArmWarning, arm::oracle_pose, urdf};
+
+const IRB460: &str = include_str!("../../../../urdf/abb_irb460.urdf");
+const KR210: &str = include_str!("../../../../urdf/kuka_kr210_r2700_2.urdf");
+const KR16: &str = include_str!("../../../../urdf/kuka_kr16_2.urdf");
+const R2000IC: &str = include_str!("../../../../urdf/fanuc_r2000ic_165f.urdf");
+
+fn load(text: &str) -> Arm {
+    Arm::from_urdf_uniform(text, "own.urdf", 2.0).unwrap()
+}
+
+/// Flange at zero joints by hand, from the published dimensions.
+#[test]
+fn flanges_at_zero_are_where_the_dimensions_say() {
+    let at = |text: &str| {
+        let arm = load(text);
+        let zero = JointPositions::zeros(arm.joint_count());
+        arm.base_from_flange(&zero).translation.vector
+    };
+    let kr210 = Vector::new(0.330 + 1.150 + 1.220 + 0.215, 0.0, 0.645 + 0.115);
+    let kr16 = Vector::new(0.260 + 0.680 + 0.670 + 0.158, 0.0, 0.675 - 0.035);
+    let r2000ic = Vector::new(0.312 + 1.280 + 0.215, 0.0, 0.670 + 1.075 + 0.225);
+    let irb460 = Vector::new(0.260 + 1.025 + 0.225, 0.0, 0.745 + 0.945 - 0.2515);
+    for (text, expected) in [
+        (KR210, kr210),
+        (KR16, kr16),
+        (R2000IC, r2000ic),
+        (IRB460, irb460),
+    ] {
+        assert!(
+            (at(text) - expected).norm() < 1e-12,
+            "{} {expected}",
+            at(text)
+        );
+    }
+}
+
+#[test]
+fn limits_and_speeds_are_the_published_ones() {
+    let degrees = |text: &str| -> Vec<[f64; 3]> {
+        let round = |v: f64| (v.to_degrees() * 1e6).round() / 1e6;
+        let arm = load(text);
+        let limits = arm.limits().iter();
+        limits
+            .map(|l| [l.lower, l.upper, l.max_speed].map(round))
+            .collect()
+    };
+    assert_eq!(
+        degrees(KR210),
+        [
+            [-185.0, 185.0, 116.8],
+            [-140.0, -5.0, 111.4],
+            [-120.0, 168.0, 112.0],
+            [-350.0, 350.0, 179.0],
+            [-125.0, 125.0, 172.0],
+            [-350.0, 350.0, 220.0]
+        ]
+    );
+    assert_eq!(
+        degrees(R2000IC)[1..3],
+        [[-60.0, 76.0, 115.0], [-132.0, 180.0, 125.0]]
+    );
+    assert_eq!(
+        degrees(IRB460),
+        [
+            [-165.0, 165.0, 145.0],
+            [-40.0, 85.0, 110.0],
+            [-20.0, 120.0, 120.0],
+            [-300.0, 300.0, 400.0]
+        ]
+    );
+}
+
+#[test]
+fn forward_agrees_with_the_chain_library_and_inverse_with_forward() {
+    for text in [KR210, KR16, R2000IC, IRB460] {
+        let arm = load(text);
+        assert_eq!(arm.warnings(), [], "{}", arm.name());
+        let loaded = urdf::load(text, "own.urdf", &urdf::Accelerations::Uniform(2.0)).unwrap();
+        let oracle = k::Chain::<f64>::from(&loaded.robot);
+        let mut random = RandomStreams::new(5).stream("own arms");
+        for _ in 0..1000 {
+            let joints = random_joints(&arm, &mut random);
+            let pose = arm.base_from_flange(&joints);
+            let (metres, radians) = distance(&pose, &oracle_pose(&oracle, &loaded, &joints));
+            assert!(
+                metres < 1e-9 && radians < 1e-7,
+                "{} {metres} {radians}",
+                arm.name()
+            );
+            let found = arm.inverse(&pose);
+            assert!(
+                found.iter().any(|s| s.max_distance(&joints) < 1e-5),
+                "{}: {joints:?} not among {found:?}",
+                arm.name()
+            );
+            for solution in &found {
+                let (metres, radians) = distance(&pose, &arm.base_from_flange(solution));
+                assert!(arm.within_limits(solution) && metres < 1e-6 && radians < 1e-6);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_palletizer_keeps_its_flange_level_and_refuses_to_tilt() {
+    let arm = load(IRB460);
+    assert_eq!(
+        arm.joint_names(),
+        ["joint_1", "joint_2", "joint_3", "joint_4"]
+    );
+    let mut random = RandomStreams::new(6).stream("level");
+    for _ in 0..200 {
+        let joints = random_joints(&arm, &mut random);
+        let pose = arm.base_from_flange(&joints);
+        assert!((pose * Vector::z() + Vector::z()).norm() < 1e-12);
+        let tilted = pose
+            * Pose::from_parts(
+                Vector::zeros().into(),
+                Rotation::from_euler_angles(0.1, 0.0, 0.0),
+            );
+        assert!(arm.inverse(&tilted).is_empty());
+    }
+}
+
+/// A wrist that is no ball: the closed form does not fit, and says so; the descent still finds true postures.
+#[test]
+fn an_offset_wrist_is_solved_numerically() {
+    let offset = KR16.replacen(
+        r#"<origin xyz="0 0 0"/>
+    <axis xyz="-1 0 0"/>"#,
+        r#"<origin xyz="0 0.09 0"/>
+    <axis xyz="-1 0 0"/>"#,
+        1,
+    );
+    assert_ne!(offset, KR16, "nothing was replaced");
+    let arm = load(&offset);
+    let warned = arm.warnings().iter();
+    assert!(
+        warned.clone().any(
+            |w| matches!(w, ArmWarning::NumericInverse { reason } if reason.contains("joint_6"))
+        )
+    );
+    let mut random = RandomStreams::new(7).stream("offset");
+    let (mut solved, mut near) = (0, 0);
+    for _ in 0..60 {
+        let joints = random_joints(&arm, &mut random);
+        let pose = arm.base_from_flange(&joints);
+        let found = arm.inverse(&pose);
+        for solution in &found {
+            let (metres, radians) = distance(&pose, &arm.base_from_flange(solution));
+            assert!(arm.within_limits(solution) && metres < 1e-6 && radians < 1e-6);
+        }
+        solved += usize::from(!found.is_empty());
+        let mut aside = joints;
+        for (q, limit) in aside.iter_mut().zip(arm.limits()) {
+            *q = (*q + 0.05).min(limit.upper);
+        }
+        let nearest = arm.inverse_nearest(&pose, &aside);
+        near += usize::from(nearest.is_some_and(|s| s.max_distance(&aside) < 0.5));
+    }
+    assert!(solved >= 58 && near >= 50, "{solved} solved, {near} near");
+}
