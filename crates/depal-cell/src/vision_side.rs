@@ -485,17 +485,11 @@ impl VisionSide {
     /// The computing for a run came to nothing: the robot hears it, and the server goes on.
     fn give_up(&mut self, now: SimTime, owner: Owner) {
         match owner {
+            Owner::Viz(_) => self.refuse(now, owner, Status::VizRuntimeError),
             Owner::Vision(job_id) => {
-                let outcome = Err(Status::VisionExecutionError);
-                self.server.finish_vision(now, job_id, outcome);
-            }
-            Owner::Viz(job_id) => {
-                if self.viz.as_ref().is_some_and(|run| run.job_id == job_id) {
-                    self.viz = None;
-                    self.engine.stop();
-                    let outcome = Err(Status::VizRuntimeError);
-                    self.server.finish_viz(now, job_id, outcome);
-                }
+                self.end(owner);
+                self.server
+                    .finish_vision(now, job_id, Err(Status::VisionExecutionError));
             }
         }
     }
