@@ -632,7 +632,7 @@ MODULE MM_Module
     ENDWHILE
     status:=CellInt(2);
     ! A server of the other byte order echoes the command as it was sent: look at the status, too.
-    IF CellInt(1)<>command OR (NOT Present(NoStatus) AND (status<1 OR status>9999)) THEN
+    IF CellInt(1)<>command OR ((NOT Present(NoStatus)) AND (status<1 OR status>9999)) THEN
       status:=MM_WRONG_REPLY;
       MM_Close_Socket;
     ELSEIF Present(NoStatus) THEN
