@@ -21,7 +21,7 @@ const BATCH: usize = 64;
 /// While a result is awaited it is asked for this often.
 const RESULT_POLL: Duration = Duration::from_millis(1);
 /// With nothing due the thread sleeps until a message comes; this only bounds the arithmetic.
-const LONGEST_SLEEP: Duration = Duration::from_secs(60);
+const LONGEST_SLEEP: Duration = Duration::from_mins(1);
 
 /// A client, for the brain.
 pub(crate) type Client = (PortId, ConnectionId);

@@ -26,7 +26,7 @@ impl Default for Limits {
     fn default() -> Self {
         Self {
             clients_per_port: 128,
-            idle: Duration::from_secs(3600),
+            idle: Duration::from_hours(1),
             write: Duration::from_secs(10),
             keepalive_after: Duration::from_secs(5),
             keepalive_interval: Duration::from_secs(2),

@@ -12,7 +12,7 @@ use depal_time::SimTime;
 use depal_vm::system::{Fault, Received, SocketId};
 
 /// Longest wall-clock time that one attempt to connect may take.
-const CONNECT_LIMIT: Duration = Duration::from_secs(60);
+const CONNECT_LIMIT: Duration = Duration::from_mins(1);
 /// How often sockets are looked at while waiting.
 const LOOK_EVERY: Duration = Duration::from_micros(100);
 
@@ -180,16 +180,15 @@ impl Network for RobotSockets {
                     self.waiting = true;
                     Poll::Pending
                 }
-                Ok(Ok(stream)) => match Connection::new(stream) {
-                    Ok(connection) => {
+                Ok(Ok(stream)) => {
+                    if let Ok(connection) = Connection::new(stream) {
                         self.sockets.insert(socket, State::Connected(connection));
                         Poll::Ready(Ok(()))
-                    }
-                    Err(_) => {
+                    } else {
                         self.sockets.remove(&socket);
                         Poll::Ready(Err(Fault::SocketClosed))
                     }
-                },
+                }
                 Ok(Err(_)) | Err(TryRecvError::Disconnected) => {
                     self.sockets.remove(&socket);
                     Poll::Ready(Err(Fault::SocketClosed))

@@ -241,6 +241,6 @@ fn signal(wanted: bool) -> Result<impl Future<Output = ()>, NetError> {
         if wanted && tokio::signal::ctrl_c().await.is_ok() {
             return;
         }
-        std::future::pending().await
+        std::future::pending::<()>().await;
     })
 }

@@ -692,8 +692,8 @@ impl Machine {
             Op::CallByName { arguments } => self.call_by_name(*arguments)?,
             Op::Connect(routine) => self.connect(*routine)?,
             Op::LoadInterruptNumber => {
-                let frames = self.memory.frames.iter().rev();
-                let number = frames.filter_map(|f| f.interrupt).next().unwrap_or(0);
+                let mut frames = self.memory.frames.iter().rev();
+                let number = frames.find_map(|f| f.interrupt).unwrap_or(0);
                 self.push(Value::Num(number as f32));
             }
             Op::EndUndo => {

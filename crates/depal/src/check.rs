@@ -74,9 +74,9 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
         let (summary, findings) = match verdict {
             Ok(summary) => (summary, Vec::new()),
             Err(messages) => {
-                messages
-                    .iter()
-                    .for_each(|message| eprintln!("error: {message}"));
+                for message in &messages {
+                    eprintln!("error: {message}");
+                }
                 let findings = messages.into_iter().map(|m| Finding::of_file(code, m));
                 (String::new(), findings.collect())
             }

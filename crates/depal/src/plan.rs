@@ -98,15 +98,14 @@ fn scene(path: &Path, file: &File) -> Result<TransferScene, Failure> {
         Some(limits) => limits.clone(),
         None => arm.limits().iter().map(|l| l.max_speed).collect(),
     };
-    let accelerations = match &file.acceleration_limits {
-        Some(limits) => limits.clone(),
-        None => {
-            eprintln!(
-                "warning: {}: no acceleration_limits; full speed is taken to need {RAMP_S} s",
-                path.display()
-            );
-            speeds.iter().map(|v| v / RAMP_S).collect()
-        }
+    let accelerations = if let Some(limits) = &file.acceleration_limits {
+        limits.clone()
+    } else {
+        eprintln!(
+            "warning: {}: no acceleration_limits; full speed is taken to need {RAMP_S} s",
+            path.display()
+        );
+        speeds.iter().map(|v| v / RAMP_S).collect()
     };
     let arm = arm
         .with_rates(&speeds, &accelerations)
@@ -192,9 +191,10 @@ fn solve(scene: &TransferScene, problem: &Problem) -> Value {
         );
     };
     let goal = match &problem.goal {
-        Goal::Joints(values) => match joints(values) {
-            Some(goal) => TransferGoal::Joints(goal),
-            None => {
+        Goal::Joints(values) => {
+            if let Some(goal) = joints(values) {
+                TransferGoal::Joints(goal)
+            } else {
                 let (found, expected) = (values.len(), scene.arm.joint_count());
                 return unsolved(
                     format!("goal has {found} joints, the arm has {expected}"),
@@ -202,7 +202,7 @@ fn solve(scene: &TransferScene, problem: &Problem) -> Value {
                     None,
                 );
             }
-        },
+        }
         Goal::Tcp {
             tcp_xyz,
             tcp_quat_wxyz,

@@ -86,19 +86,19 @@ impl Compiler<'_> {
     }
 
     fn connect(&mut self, variable: &Expression, trap: &Name) {
-        let routine = match self.lookup(&trap.key()) {
-            Some(Symbol::Routine(RoutineSymbol {
-                callee: Callee::Trap(routine),
-                ..
-            })) => *routine,
-            _ => {
-                self.error(Diagnostic::error(
-                    "RAPID0101",
-                    trap.span,
-                    format!("there is no TRAP named {}", trap.text),
-                ));
-                return;
-            }
+        let routine = if let Some(Symbol::Routine(RoutineSymbol {
+            callee: Callee::Trap(routine),
+            ..
+        })) = self.lookup(&trap.key())
+        {
+            *routine
+        } else {
+            self.error(Diagnostic::error(
+                "RAPID0101",
+                trap.span,
+                format!("there is no TRAP named {}", trap.text),
+            ));
+            return;
         };
         self.check_assignable(variable);
         let kind = self.place(variable);
