@@ -139,7 +139,7 @@ fn a_real_server_is_reached_through_a_route() {
 #[test]
 fn check_gives_a_verdict_for_every_file() {
     let good = main_of("TPWrite \"x\";");
-    let bad = "MODULE n\n  PROC p()\n    IF TRUE THEN\n    TPWrite \"x\"\n  ENDPROC\nENDMODULE\n";
+    let bad = "MODULE n\n  PROC p()\n    IF TRUE THEN\n    TPWrite \"x\"\n    TPWrite \"y\";\n  ENDPROC\nENDMODULE\n";
     let folder = folder("check", &[("good.mod", &good), ("bad.mod", bad)]);
     let output = depal(&folder, &["check", "--json", "good.mod", "bad.mod"]);
     assert_eq!(output.status.code(), Some(2));

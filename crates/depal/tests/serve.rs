@@ -9,6 +9,16 @@ use std::time::{Duration, Instant};
 
 const BINARY: &str = env!("CARGO_BIN_EXE_depal");
 
+/// A scene that is quick to set up.
+const FEW: &[&str] = &[
+    "--set",
+    "cartons.count=8",
+    "--set",
+    "cartons.layers=1",
+    "--set",
+    "accept.delivered_min=0",
+];
+
 /// A running server; killed when it goes out of scope.
 struct Served {
     child: Child,
@@ -39,7 +49,7 @@ impl Served {
     }
 
     fn ascii() -> Self {
-        Self::start(&["--listen", "ascii=127.0.0.1:0", "--set", "cartons.count=8"])
+        Self::start(&[&["--listen", "ascii=127.0.0.1:0"], FEW].concat())
     }
 
     fn client(&self) -> TcpStream {
@@ -183,6 +193,10 @@ fn sessions_of_two_ports_do_not_touch() {
         "hex-le=127.0.0.1:0",
         "--set",
         "cartons.count=8",
+        "--set",
+        "cartons.layers=1",
+        "--set",
+        "accept.delivered_min=0",
     ]);
     let mut text = client(served.ports[0]);
     assert_eq!(ask(&mut text, TRIGGER), "101,1102");
@@ -323,7 +337,7 @@ fn sigterm_ends_cleanly_and_the_port_is_free_at_once() {
     assert!(time < Duration::from_secs(2), "{time:?}");
     assert!(is_closed(&mut robot));
     let listen = format!("ascii={address}");
-    let again = Served::start(&["--listen", &listen, "--set", "cartons.count=8"]);
+    let again = Served::start(&[&["--listen", &listen], FEW].concat());
     assert_eq!(ask(&mut again.client(), "901"), "901,1101");
 }
 
@@ -355,6 +369,10 @@ fn a_journal_is_answered_the_same_again() {
         "ascii=127.0.0.1:0",
         "--set",
         "cartons.count=8",
+        "--set",
+        "cartons.layers=1",
+        "--set",
+        "accept.delivered_min=0",
         "--journal",
         &journal,
     ]);
