@@ -1,4 +1,6 @@
 //! `depal`: a robot cell on your laptop. See the README for what it simulates and what it does not.
+// The comments of commands and flags are their help texts: shown as they stand, not as Markdown.
+#![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags)]
 
 mod check;
 mod detect;

@@ -1,0 +1,69 @@
+//! One pick planned out of a full layer: choice of carton, grasp, way there and to the conveyor, certificate.
+#![allow(missing_docs)]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use depal_arm::Arm;
+use depal_frames::{BoxSize, JointPositions, PlacedShape, Pose, Vector};
+use depal_gripper::GripperSpec;
+use depal_planner::{PlaceSpec, PlanRequest, PlannerSettings, SeenBox, plan_pick};
+
+const ACCELERATIONS: [f64; 6] = [3.14, 3.14, 3.14, 6.98, 6.98, 8.73];
+
+fn layer(top: f64) -> Vec<SeenBox> {
+    let size = BoxSize {
+        length: 0.4,
+        width: 0.3,
+        height: 0.25,
+    };
+    let mut boxes = Vec::new();
+    for column in 0..2 {
+        for row in 0..4 {
+            let x = 1.7 + (f64::from(column) - 0.5) * 0.404;
+            let y = (f64::from(row) - 1.5) * 0.304;
+            boxes.push(SeenBox {
+                base_from_box: Pose::translation(x, y, top),
+                size,
+                confidence: 0.95,
+            });
+        }
+    }
+    boxes
+}
+
+fn bench_plan(criterion: &mut Criterion) {
+    let urdf = include_str!("../../../urdf/abb_irb6700_150_320.urdf");
+    let arm = Arm::from_urdf(urdf, "irb6700", &ACCELERATIONS).expect("our own URDF");
+    let gripper = GripperSpec::four_sections();
+    let block =
+        |x, y, z, a, b, c| PlacedShape::cuboid(Pose::translation(x, y, z), Vector::new(a, b, c));
+    let known = [
+        block(0.0, 0.0, -0.05, 12.0, 12.0, 0.1),
+        block(1.7, 0.0, 0.072, 0.8, 1.2, 0.144),
+        block(-0.4, 1.8, 0.325, 3.0, 0.6, 0.65),
+    ];
+    let place = PlaceSpec {
+        base_from_place: Pose::translation(0.5, 1.8, 0.65),
+        yaws: vec![0.0, std::f64::consts::PI],
+    };
+    let settings = PlannerSettings::default();
+    for (name, top) in [("top layer", 1.644), ("bottom layer", 0.394)] {
+        let boxes = layer(top);
+        let request = PlanRequest {
+            arm: &arm,
+            gripper: &gripper,
+            boxes: &boxes,
+            known_obstacles: &known,
+            obstacle_points: &[],
+            start: JointPositions::from_degrees(&[90.0, -20.0, 20.0, 0.0, 90.0, 0.0]),
+            place: &place,
+            settings: &settings,
+        };
+        plan_pick(&request).unwrap_or_else(|refusal| panic!("{name}: {refusal}"));
+        criterion.bench_function(&format!("plan a pick, {name}"), |bencher| {
+            bencher.iter(|| plan_pick(&request));
+        });
+    }
+}
+
+criterion_group!(benches, bench_plan);
+criterion_main!(benches);
