@@ -7,7 +7,7 @@ use depal_frames::{BoxSize, JointPositions, PlacedShape, Pose, Vector};
 use depal_gripper::GripperSpec;
 use depal_planner::{PlaceSpec, PlanRequest, PlannerSettings, SeenBox, plan_pick};
 
-const ACCELERATIONS: [f64; 6] = [3.14, 3.14, 3.14, 6.98, 6.98, 8.73];
+const ACCELERATIONS: [f64; 6] = [3.0, 3.0, 3.0, 7.0, 7.0, 8.7];
 
 fn layer(top: f64) -> Vec<SeenBox> {
     let size = BoxSize {
