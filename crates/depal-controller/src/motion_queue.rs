@@ -18,6 +18,8 @@ pub(crate) struct MotionQueue {
     depth: usize,
     /// In order; the first is under way or about to be.
     open: VecDeque<OpenMove>,
+    /// The move that was closed last: its corner may still turn out to be a stop.
+    closed: Option<OpenMove>,
     /// Moves that the supervision broke off.
     broken: BTreeMap<MoveId, String>,
     /// A supervision stop that the program may not know of yet.
@@ -46,6 +48,7 @@ impl MotionQueue {
             trajectory,
             depth,
             open: VecDeque::new(),
+            closed: None,
             broken: BTreeMap::new(),
             alarm: None,
             failures_told: 0,
@@ -86,7 +89,8 @@ impl MotionQueue {
         };
         let failures = self.trajectory.corner_failures();
         for failed in &failures[self.failures_told..] {
-            let location = self.open.iter().find(|m| m.id.0 == failed.0);
+            let known = self.open.iter().chain(&self.closed);
+            let location = known.into_iter().find(|m| m.id.0 == failed.0);
             events.push(ControllerEvent::CornerFailure {
                 at: now,
                 id: MoveId(failed.0),
@@ -177,7 +181,7 @@ impl MotionQueue {
         while let Some(open) = self.open.front()
             && self.trajectory.is_done(SegmentId(open.id.0), until)
         {
-            self.open.pop_front();
+            self.closed = self.open.pop_front();
         }
         self.trajectory.forget_before(begin.as_secs_f64());
     }

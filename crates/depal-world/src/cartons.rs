@@ -32,6 +32,8 @@ pub(crate) struct Carton {
     pub rest: Point,
     /// A disturbance was reported, or is expected, until it lies still again.
     pub disturbed: bool,
+    /// Steps in a row in which it lay still since it was disturbed or let go.
+    pub still_steps: u32,
     /// On a belt in the latest step.
     pub on_belt: bool,
     pub touched_belt: bool,
@@ -53,6 +55,7 @@ impl Carton {
             collider,
             rest: Point::from(spec.world_from_centre.translation.vector),
             disturbed: false,
+            still_steps: 0,
             on_belt: false,
             touched_belt: false,
             delivered: false,

@@ -12,8 +12,10 @@ use crate::{Body, CartonId, World, WorldEvent};
 const TOUCH: f64 = 0.001;
 /// A carton that moved farther than this was disturbed, m.
 const DISTURBED: f64 = 0.010;
-/// A carton slower than this lies still, m/s.
+/// A carton slower than this lies still, m/s ...
 const STILL: f64 = 0.01;
+/// ... if it stays so for this many steps: what is let go hangs still for an instant before it falls.
+const STILL_STEPS: u32 = 25;
 
 impl World {
     /// Ids of the cartons that touch a collider's owner, ascending.
@@ -89,16 +91,20 @@ impl World {
                 // Let go, it may still fall or slide: that is no neighbour's disturbance.
                 carton.rest = centre;
                 carton.disturbed = true;
+                carton.still_steps = 0;
                 continue;
             }
             let distance = (centre - carton.rest).norm();
             if carton.disturbed || carton.on_floor || carton.delivered {
-                if vector_from_glam(body.linvel()).norm() < STILL {
+                let is_still = vector_from_glam(body.linvel()).norm() < STILL;
+                carton.still_steps = if is_still { carton.still_steps + 1 } else { 0 };
+                if carton.still_steps >= STILL_STEPS {
                     carton.rest = centre;
                     carton.disturbed = false;
                 }
             } else if distance > DISTURBED {
                 carton.disturbed = true;
+                carton.still_steps = 0;
                 events.push(WorldEvent::NeighbourMoved {
                     carton: CartonId(id),
                     distance,

@@ -200,6 +200,19 @@ fn a_carton_is_put_on_the_belt_and_released() {
     );
 }
 
+/// Let go, it hangs still for an instant and then falls: nobody disturbed it.
+#[test]
+fn a_carton_that_falls_onto_the_belt_is_no_disturbed_neighbour() {
+    let (mut cell, id) = lift(12.0, &MIDDLE);
+    cell.go([0.0, 3.0, 1.4], 2.0, 3.0, &MIDDLE);
+    cell.go([0.0, 3.0, 0.7 + SIZE.height + 0.016], 0.5, 2.0, &MIDDLE);
+    cell.stay(1.0, &CLOSED);
+    let touched = |event: &WorldEvent| matches!(event, WorldEvent::CartonTouchedBelt { carton, .. } if *carton == id);
+    assert!(cell.events.iter().any(touched), "{:?}", cell.events);
+    let moved = |event: &WorldEvent| matches!(event, WorldEvent::NeighbourMoved { .. });
+    assert!(!cell.events.iter().any(moved), "{:?}", cell.events);
+}
+
 #[test]
 fn two_cartons_under_one_gripper_are_both_taken() {
     let mut world = World::new(&spec());
