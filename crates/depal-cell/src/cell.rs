@@ -532,8 +532,8 @@ fn check_wiring(spec: &CellSpec, controller: &Controller) -> Result<(), CellErro
     Ok(())
 }
 
-/// Everything in view, with its surface.
-pub(crate) fn render_shapes(world: &World) -> Vec<RenderShape> {
+/// Everything in view of a camera, with its surface; the ids are those of the world.
+pub fn render_shapes(world: &World) -> Vec<RenderShape> {
     world
         .visible_shapes()
         .into_iter()

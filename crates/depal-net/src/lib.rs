@@ -11,8 +11,7 @@
 //! This crate must never know what a command means, nor touch files: the journal goes to a writer.
 //!
 //! ```no_run
-//! # fn main() -> Result<(), depal_net::NetError> {
-//! # let station: depal_cell::station::Station = unimplemented!();
+//! # fn example(station: depal_cell::station::Station) -> Result<(), depal_net::NetError> {
 //! use depal_net::{Limits, Stop, bind, serve};
 //! let ports = bind(&["127.0.0.1:0".parse().unwrap()])?;
 //! println!("listening on {}", ports.addresses()[0]);

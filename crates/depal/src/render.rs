@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use depal_camera::{Material, RenderShape, sense};
+use depal_camera::sense;
+use depal_cell::cell::render_shapes;
 use depal_cell::spec::CellSpec;
 use depal_frames::{DepthFrame, Pose};
 use depal_time::RandomStreams;
-use depal_world::{VisibleKind, World};
+use depal_world::World;
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -42,7 +43,7 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
         .cell_spec()
         .map_err(|error| Failure::Input(explain(&error)))?;
     let world = world_at_rest(&spec);
-    let shapes = shapes_of(&world);
+    let shapes = render_shapes(&world);
 
     // The first picture fetches memory and tables; the second is what a camera does again and again.
     let mut rendering = depal_camera::render(&spec.camera, &spec.world_from_camera, &shapes);
@@ -113,24 +114,6 @@ fn world_at_rest(spec: &CellSpec) -> World {
     world.set_arm(&world_from_links, &world_from_tcp);
     world.settle(spec.settle_time);
     world
-}
-
-fn shapes_of(world: &World) -> Vec<RenderShape> {
-    world
-        .visible_shapes()
-        .into_iter()
-        .map(|visible| RenderShape {
-            world_from_shape: visible.shape.pose,
-            shape: visible.shape.shape,
-            id: visible.id,
-            material: match visible.kind {
-                VisibleKind::Carton(_) => Material::KRAFT,
-                VisibleKind::Fixed(_) => Material::WOOD,
-                VisibleKind::Conveyor(_) => Material::CONCRETE,
-                VisibleKind::Link(_) | VisibleKind::Tool => Material::PAINT,
-            },
-        })
-        .collect()
 }
 
 /// Camera and cartons (geometric centres) in the robot's base frame.
