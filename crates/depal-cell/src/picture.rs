@@ -23,6 +23,8 @@ pub(crate) struct Seen {
 /// A frame after vision: the estimate, and which true carton each report is (`None`: none).
 #[derive(Debug, Clone)]
 pub(crate) struct Picture {
+    /// The vision project that it was taken for.
+    pub(crate) project: i32,
     pub(crate) detection: Detection,
     /// Reported top-face poses in the robot base, through the calibrated camera pose.
     pub(crate) base_from_boxes: Vec<Pose>,
@@ -136,6 +138,7 @@ pub(crate) fn take_picture(
         pickable: wanted.len(),
     });
     Picture {
+        project: project.id,
         cartons: matches.iter().map(|m| m.map(|m| m.carton)).collect(),
         base_from_boxes,
         detection,

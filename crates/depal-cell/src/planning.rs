@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use depal_frames::{BoxSize, JointPositions, Pose};
-use depal_interface::{Motion, PathPoint, Status, VisionMoveData};
+use depal_interface::{CustomPort, Motion, PathPoint, Status, VisionMoveData};
 use depal_planner::{PickPlan, PlanRequest, Refusal, RejectReason, SeenBox, plan_pick};
 use depal_workflow::{PickRequest, Place};
 
@@ -11,6 +11,7 @@ use crate::event::{EventKind, FailureReason, LoggedPose, LoggedWaypoint, round};
 use crate::picture::Picture;
 use crate::score::Score;
 use crate::spec::CellSpec;
+use crate::vision_side::results::custom_ports;
 
 /// Tool id of the gripper on the wire.
 pub(crate) const TOOL: i32 = 1;
@@ -22,6 +23,8 @@ pub(crate) struct PlannedPick {
     pub(crate) points: Vec<PathPoint>,
     /// Numbers of the outputs to switch on, by round.
     pub(crate) rounds: Vec<Vec<u16>>,
+    /// The vision project's own data, a row of each port by round.
+    pub(crate) custom_ports: Vec<CustomPort>,
     /// The picked reports in the picture, by round.
     pub(crate) detections: Vec<usize>,
     /// How the carton of the last round hangs on the gripper.
@@ -85,6 +88,14 @@ pub(crate) fn plan(
     let mut taken = situation.taken.clone();
     let mut start = situation.start;
     let mut all = PlannedPick::default();
+    let own_data = match custom_ports(spec, picture) {
+        Ok(ports) => ports,
+        Err(status) => {
+            let reason = FailureReason::ProtocolError;
+            return Planned::Refused { status, reason };
+        }
+    };
+    all.custom_ports = own_data.iter().map(|port| named(&port.name)).collect();
     loop {
         let left: Vec<usize> = (0..picture.detection.boxes.len())
             .filter(|index| !taken.contains(index))
@@ -135,6 +146,9 @@ pub(crate) fn plan(
         if all.detections.is_empty() {
             all.carton = picture.cartons[detection];
         }
+        for (port, rows) in all.custom_ports.iter_mut().zip(&own_data) {
+            port.rows.push(rows.rows[detection].clone());
+        }
         all.points.extend(points);
         all.detections.push(detection);
         taken.insert(detection);
@@ -145,6 +159,14 @@ pub(crate) fn plan(
             Some(above) => all.points[above].joints,
             None => start,
         };
+    }
+}
+
+/// A port without rows.
+fn named(name: &str) -> CustomPort {
+    CustomPort {
+        name: name.to_owned(),
+        rows: Vec::new(),
     }
 }
 

@@ -8,7 +8,7 @@ use depal_camera::CameraSpec;
 use depal_controller::ControllerSpec;
 use depal_frames::{BoxSize, PlacedShape, Pose};
 use depal_gripper::GripperSpec;
-use depal_interface::ServerSettings;
+use depal_interface::{self as interface, ServerSettings};
 use depal_planner::{PlaceSpec, PlannerSettings};
 use depal_time::SimDuration;
 use depal_vision::VisionSettings;
@@ -71,6 +71,8 @@ pub struct CellSpec {
 /// One vision project: what a user would have typed in.
 #[derive(Debug, Clone)]
 pub struct VisionProject {
+    /// Its number.
+    pub id: i32,
     /// Settings of the estimation, sizes of the first recipe included. The region is in the camera frame.
     pub settings: VisionSettings,
     /// Sizes by recipe number.
@@ -100,25 +102,21 @@ pub enum CustomRows {
 }
 
 impl VisionProject {
-    /// The numbers that go out with each of `points` points: all ports in the byte order of their names, joined.
+    /// What goes out with each of `points` points, a row of every port for each.
     ///
     /// # Errors
     /// The name of a port whose rows are not as many as the points (1024).
-    pub fn custom_data(&self, points: usize) -> Result<Vec<Vec<f64>>, &str> {
-        let mut ports: Vec<&CustomPort> = self.custom_ports.iter().collect();
-        ports.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
-        let mut joined = vec![Vec::new(); points];
-        for port in ports {
-            match &port.rows {
-                CustomRows::Same(row) => joined.iter_mut().for_each(|all| all.extend(row)),
-                CustomRows::ByPoint(rows) if rows.len() == points => joined
-                    .iter_mut()
-                    .zip(rows)
-                    .for_each(|(all, row)| all.extend(row)),
-                CustomRows::ByPoint(_) => return Err(&port.name),
-            }
-        }
-        Ok(joined)
+    pub fn custom_rows(&self, points: usize) -> Result<Vec<interface::CustomPort>, &str> {
+        let filled = |port: &CustomPort| match &port.rows {
+            CustomRows::Same(row) => Some(vec![row.clone(); points]),
+            CustomRows::ByPoint(rows) => (rows.len() == points).then(|| rows.clone()),
+        };
+        let ports = self.custom_ports.iter().map(|port| {
+            let rows = filled(port).ok_or(port.name.as_str())?;
+            let name = port.name.clone();
+            Ok(interface::CustomPort { name, rows })
+        });
+        ports.collect()
     }
 }
 

@@ -4,11 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use depal_frames::{BoxSize, JointPositions};
-use depal_interface::{
-    Direction, Job, JobId, PortId, RobotPose, Server, Status, VisionPoint, VizPath,
-};
+use depal_interface::{Direction, JobId, PortId, Server, Status};
 use depal_time::{SimTime, TICK};
-use depal_workflow::{Ask, Engine, Piece};
+use depal_workflow::Engine;
 
 use crate::computing::{Computing, Elsewhere};
 use crate::error::CellError;
@@ -16,10 +14,13 @@ use crate::event::{EventKind, FailureReason};
 use crate::link::{Link, ToServer};
 use crate::observer::Observer;
 use crate::picture::{Picture, Seen, take_picture};
-use crate::planning::{Planned, PlannedPick, Situation, plan};
+use crate::planning::{Planned, PlannedPick};
 use crate::score::Score;
 use crate::spec::{CellSpec, VisionProject};
-use crate::waypoints::{Joined, end_of, join};
+
+mod jobs;
+pub(crate) mod results;
+mod steps;
 
 /// The one port of the in-process link.
 const PORT: PortId = PortId(0);
@@ -31,6 +32,13 @@ pub(crate) enum Owner {
     Vision(JobId),
     /// The run of the planning project (command 201).
     Viz(JobId),
+}
+
+impl Owner {
+    fn job_id(self) -> JobId {
+        let (Self::Vision(job_id) | Self::Viz(job_id)) = self;
+        job_id
+    }
 }
 
 /// Work whose simulated time runs.
@@ -63,7 +71,7 @@ struct StepRun {
 /// The vision computer of a cell.
 pub(crate) struct VisionSide {
     pub(crate) server: Server,
-    /// The planning project before its runs.
+    /// The planning project before its runs, as 208 and 502 have left it.
     engine: Engine<PlannedPick>,
     /// The path steps of vision projects before their runs.
     path_engines: BTreeMap<i32, Engine<PlannedPick>>,
@@ -174,272 +182,6 @@ impl VisionSide {
                 status: entry.status,
                 text: entry.text,
             });
-        }
-    }
-
-    /// Starts the work that the server asks for.
-    pub(crate) fn take_jobs(
-        &mut self,
-        now: SimTime,
-        spec: &CellSpec,
-        score: &mut Score,
-        events: &mut Vec<EventKind>,
-    ) {
-        while let Some(job) = self.server.poll_job() {
-            match job {
-                Job::RunVision {
-                    job_id,
-                    project,
-                    recipe,
-                    box_size,
-                    pose,
-                } => {
-                    let owner = Owner::Vision(job_id);
-                    if let Some(engine) = self.path_engines.get(&project) {
-                        let run = StepRun {
-                            owner,
-                            engine: engine.clone(),
-                            start: start_of(spec, &pose),
-                            box_sizes: box_size.map(|size| (project, size)).into_iter().collect(),
-                            recipes: recipe.map(|recipe| (project, recipe)).into_iter().collect(),
-                            picture: None,
-                            taken: BTreeSet::new(),
-                        };
-                        self.begin(now, spec, run, score, events);
-                    } else {
-                        let project = configured(spec, project, recipe, box_size);
-                        self.expose(now, spec, owner, project, score, events);
-                    }
-                }
-                Job::StartViz {
-                    job_id,
-                    start,
-                    box_sizes,
-                    recipes,
-                } => {
-                    let home = JointPositions::zeros(spec.arm.joint_count());
-                    let run = StepRun {
-                        owner: Owner::Viz(job_id),
-                        engine: self.engine.clone(),
-                        start: start.unwrap_or(home),
-                        box_sizes,
-                        recipes,
-                        picture: None,
-                        taken: BTreeSet::new(),
-                    };
-                    self.begin(now, spec, run, score, events);
-                }
-                Job::StopViz { job_id } => self.stop_viz(job_id),
-                // The workflow has no step yet that takes one of these, and the settings register none:
-                // the server refuses their commands, except 502, whose pose nothing uses.
-                Job::SetIndex { .. }
-                | Job::WriteParameter { .. }
-                | Job::SetOuterPose { .. }
-                | Job::SetInputPose { .. }
-                | Job::SetVariable { .. }
-                | Job::SwitchSolution { .. }
-                | Job::CaptureCalibration { .. } => {}
-                Job::SetBranch { job_id, exit, .. } => {
-                    let owner = Owner::Viz(job_id);
-                    if let Some(run) = self.run_of(owner) {
-                        let ask = run.engine.branch(exit);
-                        self.follow(now, spec, owner, ask, score, events);
-                    }
-                }
-            }
-        }
-    }
-
-    fn run_of(&mut self, owner: Owner) -> Option<&mut StepRun> {
-        self.runs.iter_mut().find(|run| run.owner == owner)
-    }
-
-    fn begin(
-        &mut self,
-        now: SimTime,
-        spec: &CellSpec,
-        mut run: StepRun,
-        score: &mut Score,
-        events: &mut Vec<EventKind>,
-    ) {
-        let (owner, ask) = (run.owner, run.engine.start());
-        self.runs.push(run);
-        self.follow(now, spec, owner, ask, score, events);
-    }
-
-    fn end(&mut self, owner: Owner) -> Option<StepRun> {
-        let place = self.runs.iter().position(|run| run.owner == owner)?;
-        Some(self.runs.remove(place))
-    }
-
-    fn stop_viz(&mut self, job_id: JobId) {
-        let stopped = Owner::Viz(job_id);
-        if self.end(stopped).is_some() {
-            self.work.retain(|(_, work)| match work {
-                Work::Exposure { owner, .. }
-                | Work::Poses { owner, .. }
-                | Work::Computing { owner, .. }
-                | Work::Path { owner, .. } => *owner != stopped,
-            });
-        }
-    }
-
-    /// Does what a run's engine asks for until it has to wait.
-    fn follow(
-        &mut self,
-        now: SimTime,
-        spec: &CellSpec,
-        owner: Owner,
-        mut ask: Ask<PlannedPick>,
-        score: &mut Score,
-        events: &mut Vec<EventKind>,
-    ) {
-        let (picks_planned, stopwatch) = (self.picks_planned, self.stopwatch);
-        let elsewhere = self.elsewhere.clone();
-        loop {
-            let Some(run) = self.run_of(owner) else {
-                return;
-            };
-            ask = match ask {
-                Ask::Recognise {
-                    may_reuse: true, ..
-                } if run.picture.is_some() => {
-                    let seen = run.picture.as_ref().map_or(0, |p| p.detection.boxes.len());
-                    let status = Status::VizNoVisionResult.code();
-                    let is_left = run.taken.len() < seen;
-                    run.engine.recognised(is_left.then_some(()).ok_or(status))
-                }
-                Ask::Recognise { project, .. } => {
-                    let value_of = |list: &[(i32, i32)]| {
-                        list.iter().find(|(id, _)| *id == project).map(|(_, v)| *v)
-                    };
-                    let recipe = value_of(&run.recipes);
-                    let size = run
-                        .box_sizes
-                        .iter()
-                        .find(|(id, _)| *id == project)
-                        .map(|(_, size)| *size);
-                    let project = configured(spec, project, recipe, size);
-                    return self.expose(now, spec, owner, project, score, events);
-                }
-                Ask::PlanPick { pick, place } => {
-                    let Some(picture) = &run.picture else {
-                        return;
-                    };
-                    let planned = match end_of(spec, &run.start, run.engine.pieces()) {
-                        Ok(start) if let Some(elsewhere) = &elsewhere => {
-                            let (picture, taken) = (picture.clone(), run.taken.clone());
-                            let result = elsewhere.compute(move |spec, score, events| {
-                                let situation = Situation {
-                                    picture: &picture,
-                                    taken: &taken,
-                                    start,
-                                    picked_before: picks_planned,
-                                };
-                                let planned =
-                                    plan(spec, &situation, &pick, place, stopwatch, score, events);
-                                Work::Path { owner, planned }
-                            });
-                            let due = (now + spec.latencies.planning).max(now + TICK);
-                            self.work.push((due, Work::Computing { owner, result }));
-                            return;
-                        }
-                        Ok(start) => {
-                            let situation = Situation {
-                                picture,
-                                taken: &run.taken,
-                                start,
-                                picked_before: picks_planned,
-                            };
-                            plan(spec, &situation, &pick, place, stopwatch, score, events)
-                        }
-                        Err(status) => Planned::Refused {
-                            status,
-                            reason: FailureReason::IkUnreachable,
-                        },
-                    };
-                    let due = now + spec.latencies.planning;
-                    self.work.push((due, Work::Path { owner, planned }));
-                    return;
-                }
-                Ask::WaitBranch { step, .. } => {
-                    if let Owner::Viz(job_id) = owner {
-                        self.server.viz_waiting_at_branch(now, job_id, step);
-                    }
-                    return;
-                }
-                Ask::Notify { step, message } => {
-                    events.push(EventKind::Message {
-                        text: format!("step {step} notifies {message}"),
-                    });
-                    run.engine.notified()
-                }
-                Ask::Done(pieces) => return self.finish(now, spec, owner, &pieces),
-                Ask::Failed(failure) => {
-                    let status =
-                        Status::from_code(failure.status_code()).unwrap_or(Status::VizRuntimeError);
-                    return self.refuse(now, owner, status);
-                }
-            };
-        }
-    }
-
-    /// Hands a run's path to the server.
-    fn finish(
-        &mut self,
-        now: SimTime,
-        spec: &CellSpec,
-        owner: Owner,
-        pieces: &[Piece<PlannedPick>],
-    ) {
-        let Some(run) = self.run_of(owner) else {
-            return;
-        };
-        let Joined {
-            points,
-            rounds,
-            carton,
-        } = match join(spec, &run.start, pieces) {
-            Ok(joined) => joined,
-            Err(status) => {
-                self.last_failure = Some(FailureReason::IkUnreachable);
-                return self.refuse(now, owner, status);
-            }
-        };
-        let picks = points.iter().filter(|p| p.vision_move.is_some()).count();
-        let run = self.end(owner);
-        match owner {
-            Owner::Viz(job_id) => {
-                if picks > 0 {
-                    self.picks_planned += picks as i32;
-                    self.last_failure = None;
-                    self.target = carton;
-                }
-                let path = VizPath {
-                    points,
-                    digital_outputs: rounds.into_iter().next().unwrap_or_default(),
-                };
-                self.server.finish_viz(now, job_id, Ok(path));
-            }
-            Owner::Vision(job_id) => {
-                // The server takes points from vision projects; the points of this path are the cartons that it picks.
-                let picture = run.and_then(|run| run.picture);
-                let points = picture.map(|picture| vision_points(&picture));
-                self.server
-                    .finish_vision(now, job_id, Ok(points.unwrap_or_default()));
-            }
-        }
-    }
-
-    /// Ends a run without a path.
-    fn refuse(&mut self, now: SimTime, owner: Owner, status: Status) {
-        self.end(owner);
-        match owner {
-            Owner::Viz(job_id) => self.server.finish_viz(now, job_id, Err(status)),
-            Owner::Vision(job_id) => {
-                self.server
-                    .finish_vision(now, job_id, Err(seen_from_vision(status)));
-            }
         }
     }
 
@@ -580,92 +322,4 @@ impl VisionSide {
             }
         }
     }
-
-    fn hand_over(
-        &mut self,
-        now: SimTime,
-        spec: &CellSpec,
-        owner: Owner,
-        picture: Picture,
-        score: &mut Score,
-        events: &mut Vec<EventKind>,
-    ) {
-        let is_blind = picture.detection.points_in_region == 0;
-        let is_empty = picture.detection.boxes.is_empty();
-        if is_empty {
-            self.last_failure = Some(FailureReason::NoDetection);
-        }
-        if let Some(run) = self.run_of(owner) {
-            run.picture = Some(picture);
-            run.taken.clear();
-            let outcome = if is_blind {
-                Err(Status::VizNoPointsInRegion.code())
-            } else if is_empty {
-                Err(Status::VizNoVisionResult.code())
-            } else {
-                Ok(())
-            };
-            let ask = run.engine.recognised(outcome);
-            self.follow(now, spec, owner, ask, score, events);
-        } else if let Owner::Vision(job_id) = owner {
-            let outcome = if is_blind {
-                Err(Status::NoPointsInRegion)
-            } else {
-                Ok(vision_points(&picture))
-            };
-            self.server.finish_vision(now, job_id, outcome);
-        }
-    }
-}
-
-fn vision_points(picture: &Picture) -> Vec<VisionPoint> {
-    let points = picture.detection.boxes.iter().zip(&picture.base_from_boxes);
-    points
-        .map(|(found, base_from_object)| VisionPoint {
-            base_from_object: *base_from_object,
-            label: found.label as i32,
-        })
-        .collect()
-}
-
-/// Where a path of a vision project starts: where the robot says it is, or the planner's home.
-fn start_of(spec: &CellSpec, pose: &RobotPose) -> JointPositions {
-    match pose {
-        RobotPose::PathStart(joints)
-        | RobotPose::Current {
-            joints: Some(joints),
-            ..
-        } => *joints,
-        _ => JointPositions::zeros(spec.arm.joint_count()),
-    }
-}
-
-/// What a vision project reports where the planning project reports this.
-fn seen_from_vision(status: Status) -> Status {
-    let codes = Status::ALL.iter().copied();
-    codes
-        .filter(|code| (1001..1100).contains(&code.code()) && *code != Status::VisionTimeout)
-        .find(|code| code.seen_from_viz() == status)
-        .unwrap_or(Status::PathPlanningError)
-}
-
-/// A project as recipe (103) and box size (501) leave it: the size wins.
-fn configured(
-    spec: &CellSpec,
-    project: i32,
-    recipe: Option<i32>,
-    size: Option<BoxSize>,
-) -> VisionProject {
-    let mut project = spec
-        .projects
-        .get(&project)
-        .expect("server and workflow know the same projects")
-        .clone();
-    if let Some(sizes) = recipe.and_then(|recipe| project.recipes.get(&recipe)) {
-        project.settings.sizes.clone_from(sizes);
-    }
-    if let Some(size) = size {
-        project.settings.sizes = vec![size];
-    }
-    project
 }

@@ -1,7 +1,7 @@
 //! The pieces of a run as waypoints: poses become joints, offsets become poses.
 
 use depal_frames::{JointPositions, Pose};
-use depal_interface::{Motion, PathPoint, Status};
+use depal_interface::{CustomPort, Motion, PathPoint, Status};
 use depal_workflow::{Move, MoveMotion, Piece, Reference, Target};
 
 use crate::planning::{Carried, PlannedPick, TOOL};
@@ -14,6 +14,8 @@ pub(crate) struct Joined {
     pub(crate) points: Vec<PathPoint>,
     /// Numbers of the gripper's outputs, by round.
     pub(crate) rounds: Vec<Vec<u16>>,
+    /// Data of the vision projects' own, a row for each Vision Move.
+    pub(crate) custom_ports: Vec<CustomPort>,
     /// By truth: the carton that the last plan aims at.
     pub(crate) carton: Option<u32>,
 }
@@ -45,6 +47,13 @@ pub(crate) fn join(
             Piece::Planned { plan, .. } => {
                 carried = plan.carried;
                 joined.rounds.extend(plan.rounds.iter().cloned());
+                for port in &plan.custom_ports {
+                    let known = joined.custom_ports.iter_mut().find(|p| p.name == port.name);
+                    match known {
+                        Some(known) => known.rows.extend(port.rows.iter().cloned()),
+                        None => joined.custom_ports.push(port.clone()),
+                    }
+                }
                 joined.carton = plan.carton.or(joined.carton);
                 slots.extend(
                     plan.points

@@ -42,7 +42,10 @@ mod vision_run;
 mod viz_run;
 mod wire_values;
 
-pub use depal_wire::{Encoding, Profile, Status};
+pub use depal_wire::{
+    AsciiTerminator, Encoding, HexPlanCells, HexReplyLength, PointCell8, Profile, StateReply,
+    Status,
+};
 pub use job::{
     CustomPort, Job, JobId, Motion, PathPoint, PlannedPath, RobotPose, VariableValue,
     VisionMoveData, VisionOutcome, VisionPoint, VisionResult, VizOutcome, VizPath,
@@ -54,8 +57,8 @@ pub use property_config::{
 pub use server::Server;
 pub use session::{ConnectionId, Outgoing, Session};
 pub use settings::{
-    BranchStep, CalibrationPose, IndexStep, InterfaceError, OutputPort, PortId, PortSettings,
-    ServerSettings, StepParameter, Variable, VariableKind, VisionProject, VizProject,
+    BranchStep, CalibrationPose, IndexStep, InterfaceError, OutputPort, ParameterRange, PortId,
+    PortSettings, ServerSettings, StepParameter, Variable, VariableKind, VisionProject, VizProject,
 };
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ impl Session {
         let found = self.parameters.get(&(line.step, line.key.clone()));
         found.map_or_else(
             || refuse(Status::StepParameterNotRead),
-            |value| Reply::Parameter(*value),
+            |parameter| Reply::Parameter(parameter.value),
         )
     }
 
@@ -49,7 +49,8 @@ impl Session {
             let PropertyValue::Number(value) = line.value else {
                 return Status::StepParameterNotSet;
             };
-            if !self.parameters.contains_key(&place) {
+            let range = self.parameters.get(&place).and_then(|p| p.writable);
+            if !range.is_some_and(|range| range.holds(value)) {
                 return Status::StepParameterNotSet;
             }
             writes.push((place, value));
@@ -61,7 +62,9 @@ impl Session {
                 key: key.clone(),
                 value,
             });
-            self.parameters.insert((step, key), value);
+            if let Some(parameter) = self.parameters.get_mut(&(step, key)) {
+                parameter.value = value;
+            }
         }
         Status::StepParameterSet
     }

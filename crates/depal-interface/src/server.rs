@@ -110,6 +110,16 @@ impl Server {
         }
     }
 
+    /// A counting step has other places than before, as a [`Job::WriteParameter`] may bring about.
+    pub fn set_places(&mut self, port: PortId, step: i32, places: i32) {
+        let viz = self.session(port).and_then(|s| s.viz_project.as_mut());
+        for known in viz.into_iter().flat_map(|viz| &mut viz.index_steps) {
+            if known.step == step {
+                known.places = places;
+            }
+        }
+    }
+
     /// The run of a [`Job::StartViz`] stands at a branch step; the answer is a [`Job::SetBranch`],
     /// at once if the robot has already chosen.
     pub fn viz_waiting_at_branch(&mut self, _now: SimTime, job_id: JobId, step: i32) {

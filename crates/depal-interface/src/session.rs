@@ -12,7 +12,8 @@ use crate::log::{Direction, LogEntry};
 use crate::notify::Message;
 use crate::property_config::{PropertyConfig, PropertyConfigError};
 use crate::settings::{
-    CalibrationPose, PortId, PortSettings, ServerSettings, Variable, VisionProject, VizProject,
+    CalibrationPose, PortId, PortSettings, ServerSettings, StepParameter, Variable, VisionProject,
+    VizProject,
 };
 use crate::vision_run::{VisionOutput, VisionRun};
 use crate::viz_run::VizRun;
@@ -56,7 +57,7 @@ pub struct Session {
     pub(crate) variables: Vec<Variable>,
     pub(crate) property_config: PropertyConfig,
     /// Values of step parameters by step and key, as 208 left them.
-    pub(crate) parameters: BTreeMap<(i32, String), f64>,
+    pub(crate) parameters: BTreeMap<(i32, String), StepParameter>,
     pub(crate) calibration_poses: Vec<CalibrationPose>,
     pub(crate) calibration: Calibration,
     pub(crate) message: Option<Message>,
@@ -104,7 +105,7 @@ impl Session {
             variables: server.variables.clone(),
             property_config: PropertyConfig::parse(&server.property_config)?,
             parameters: parameters
-                .map(|p| ((p.step, p.key.clone()), p.value))
+                .map(|p| ((p.step, p.key.clone()), p.clone()))
                 .collect(),
             calibration_poses: server.calibration.clone(),
             calibration: Calibration::default(),

@@ -192,6 +192,41 @@ pub struct StepParameter {
     pub key: String,
     /// Value, in the unit of the step's own settings.
     pub value: f64,
+    /// What 208 may write; absent: the parameter can only be read.
+    pub writable: Option<ParameterRange>,
+}
+
+/// Values that a parameter takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ParameterRange {
+    /// The smallest value.
+    pub low: f64,
+    /// Whether the smallest value itself is out of range.
+    pub excludes_low: bool,
+    /// The largest value.
+    pub high: f64,
+    /// Only whole numbers.
+    pub is_whole: bool,
+}
+
+impl ParameterRange {
+    /// Every finite number.
+    pub const ANY: Self = Self {
+        low: f64::MIN,
+        excludes_low: false,
+        high: f64::MAX,
+        is_whole: false,
+    };
+
+    /// Whether a value is in range; NaN never is.
+    pub fn holds(&self, value: f64) -> bool {
+        let is_high_enough = if self.excludes_low {
+            value > self.low
+        } else {
+            value >= self.low
+        };
+        is_high_enough && value <= self.high && (!self.is_whole || value.fract() == 0.0)
+    }
 }
 
 /// A step that waits for command 203.

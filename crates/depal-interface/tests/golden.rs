@@ -236,6 +236,7 @@ impl Player {
                     step: whole(parameter[0]),
                     key: parameter[1].to_owned(),
                     value: parameter[2].parse().expect("a value"),
+                    writable: Some(ParameterRange::ANY),
                 })
                 .collect(),
         };

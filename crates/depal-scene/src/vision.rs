@@ -72,7 +72,10 @@ section! {
         /// Size of that box along the world's axes, mm.
         /// Default: see `region_xyz_mm`.
         region_size_mm: Option<[f64; 3]>, Maybe(Numbers::<3>(LENGTH_MM)), default(None);
-        /// With output custom: the data that go out with each point.
+        /// Names of its steps that take a pose by command 503; a pose is noted and changes nothing else.
+        /// Default: none.
+        input_steps: Vec<String>, ListOf(Text, 0, 20), default(Vec::new());
+        /// With output custom or path: the data that go out with each point or pick.
         /// Default: none.
         port: Vec<CustomPort>, ListOf(table(), 0, 20), default(Vec::new());
         /// With output path: velocity of its moves, percent.
@@ -99,10 +102,16 @@ section! {
 fn check_vision(vision: &Vision, checker: &mut Checker<'_, '_>) {
     for (position, project) in vision.project.iter().enumerate() {
         let id = project.id;
-        if (project.output == ProjectOutput::Custom) == project.port.is_empty() {
+        let has_ports = !project.port.is_empty();
+        let fits = match project.output {
+            ProjectOutput::Poses => !has_ports,
+            ProjectOutput::Custom => has_ports,
+            ProjectOutput::Path => true,
+        };
+        if !fits {
             checker.problem(
                 "project",
-                format!("expected ports with output custom and none with another, found otherwise in project {id}"),
+                format!("expected ports with output custom and none with output poses, found otherwise in project {id}"),
                 None,
             );
         }

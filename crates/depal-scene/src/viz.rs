@@ -1,5 +1,6 @@
 //! The steps of the path project that plans picks and places.
 
+use depal_interface::PropertyConfig;
 use serde_json::{Map, Value as Json, json};
 
 use crate::choice::{choice, one_of};
@@ -444,6 +445,10 @@ section! {
 }
 
 fn check_viz(viz: &Viz, checker: &mut Checker<'_, '_>) {
+    let config = viz.property_config.as_deref().unwrap_or_default();
+    if let Err(error) = PropertyConfig::parse(config) {
+        checker.problem("property_config", error.to_string(), None);
+    }
     for (position, step) in viz.steps.iter().enumerate() {
         let id = step.id;
         if viz.steps[..position].iter().any(|earlier| earlier.id == id) {

@@ -37,7 +37,7 @@ mod text;
 
 pub use check::WorkflowError;
 pub use engine::{Ask, Engine, Failure, IndexError, Move, PickRequest, Piece, Target};
-pub use parameter::ParameterError;
+pub use parameter::{Parameter, ParameterError, Writable};
 pub use pattern::{CartonPattern, Grid, Layers};
 pub use project::{
     MoveMotion, Next, OffsetFrame, Place, Project, Reference, Step, StepKind, Travel,

@@ -52,6 +52,70 @@ impl ParameterError {
     }
 }
 
+/// A parameter that a robot may read, with the values that it takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// The step.
+    pub step: i32,
+    /// Its key.
+    pub key: &'static str,
+    /// Its value now, in the units of the wire.
+    pub value: f64,
+    /// What may be written; absent: it can only be read.
+    pub writable: Option<Writable>,
+}
+
+/// The values that a parameter takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Writable {
+    /// Whole numbers of 1 to 1000.
+    Count,
+    /// Millimetres, at most 100 m either way.
+    Offset,
+    /// More than 0 and at most 100 percent.
+    Velocity,
+}
+
+impl Writable {
+    /// Smallest and largest value; the smallest velocity is above its own.
+    pub fn bounds(self) -> (f64, f64) {
+        match self {
+            Self::Count => (1.0, MOST_PLACES),
+            Self::Offset => (-FARTHEST_MM, FARTHEST_MM),
+            Self::Velocity => (0.0, 100.0),
+        }
+    }
+}
+
+/// Every key that a step may have.
+const KEYS: [&str; 9] = [
+    "velocity", "xCount", "yCount", "zCount", "xOffset", "yOffset", "zOffset", "message", "project",
+];
+
+/// Every parameter of every step.
+pub(crate) fn parameters(project: &Project) -> Vec<Parameter> {
+    let mut found = Vec::new();
+    for step in &project.steps {
+        for key in KEYS {
+            if let Ok(value) = read_parameter(project, step.id, key) {
+                let writable = match key {
+                    "velocity" => Some(Writable::Velocity),
+                    "message" | "project" => None,
+                    _ if key.ends_with("Count") => Some(Writable::Count),
+                    _ => Some(Writable::Offset),
+                };
+                found.push(Parameter {
+                    step: step.id,
+                    key,
+                    value,
+                    writable,
+                });
+            }
+        }
+    }
+    found
+}
+
 /// Where a key of a grid lies: which list and which axis.
 fn grid_key(key: &str) -> Option<(bool, usize)> {
     match key {

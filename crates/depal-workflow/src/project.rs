@@ -1,5 +1,6 @@
 use depal_frames::{JointPositions, Pose};
 
+use crate::parameter::{Parameter, parameters};
 use crate::pattern::{CartonPattern, Grid};
 
 /// A Viz project: its steps, the first one being where a run begins.
@@ -184,6 +185,11 @@ impl Project {
             .iter()
             .filter_map(|step| Some((step.id, step.kind.place_count()?)))
             .collect()
+    }
+
+    /// Every parameter that a robot may read (207), with what it may write (208), in the units of the wire.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        parameters(self)
     }
 
     /// The step with an id.

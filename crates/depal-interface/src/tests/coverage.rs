@@ -101,6 +101,7 @@ fn full_settings() -> ServerSettings {
                 step: 8,
                 key: "xCount".to_owned(),
                 value: 3.0,
+                writable: Some(ParameterRange::ANY),
             }],
         }),
         solutions: vec![1],

@@ -1,7 +1,9 @@
 //! From a scene to a cell: millimetres, degrees and names become the specifications of the rooms.
 
+mod calibration;
 mod gripper;
 mod program;
+mod server;
 mod solids;
 mod vision;
 mod workflow;
@@ -139,6 +141,7 @@ impl Scene {
         let base_from_camera = base_from_world * calibrated;
         let world_from_camera =
             solids::pose_mm_yaw(self.camera.mounting_error_mm, 0.0) * calibrated;
+        let workflow = workflow::workflow(self);
         let to_base = |shape: &PlacedShape| shape.moved(&base_from_world);
         Ok(CellSpec {
             scene: self.name.clone(),
@@ -161,8 +164,8 @@ impl Scene {
             world_from_camera,
             base_from_camera,
             projects: vision::projects(self, &base_from_camera.inverse()),
-            workflow: workflow::workflow(self),
-            interface: vision::server(self),
+            interface: server::server(self, &workflow, calibration::poses(self, &arm, &start)),
+            workflow,
             port: self.interface.port,
             controller,
             known_obstacles: solids::known_obstacles(self).iter().map(to_base).collect(),

@@ -1,21 +1,14 @@
-//! The vision server of a scene: its projects, its planning project, its port.
+//! The vision projects of a scene.
 
 use std::collections::BTreeMap;
 
 use depal_cell::spec::{CustomPort, CustomRows, VisionProject};
-use depal_frames::{BoxSize, EulerConvention, Pose, Vector};
-use depal_interface::{
-    BranchStep, Encoding, OutputPort, PortSettings, Profile, ServerSettings,
-    VisionProject as ServedProject, VizProject,
-};
-use depal_time::SimDuration;
+use depal_frames::{BoxSize, Pose, Vector};
 use depal_vision::{RegionOfInterest, VisionSettings};
 
 use super::{solids, workflow};
-use crate::interface::{RobotBrand, WireEncoding};
 use crate::scene::Scene;
 use crate::vision::{ProjectOutput, VisionProject as SceneProject};
-use crate::viz::VizAction;
 
 /// Around the pallet's footprint, metres: cartons overhang and shift.
 const REGION_MARGIN: f64 = 0.15;
@@ -59,6 +52,7 @@ pub(super) fn projects(scene: &Scene, camera_from_base: &Pose) -> BTreeMap<i32, 
         projects.insert(
             i32::from(project.id),
             VisionProject {
+                id: i32::from(project.id),
                 settings,
                 recipes,
                 custom_ports,
@@ -89,57 +83,5 @@ fn region(scene: &Scene, project: &SceneProject, camera_from_world: &Pose) -> Re
     RegionOfInterest {
         camera_from_region: camera_from_world * world_from_region,
         half_extents: size * 0.5,
-    }
-}
-
-/// The server: one port, and what it must know of the projects.
-pub(super) fn server(scene: &Scene) -> ServerSettings {
-    let interface = &scene.interface;
-    let port = PortSettings {
-        encoding: match interface.encoding {
-            WireEncoding::Ascii => Encoding::Ascii,
-            WireEncoding::HexLe => Encoding::HexLittleEndian,
-            WireEncoding::HexBe => Encoding::HexBigEndian,
-        },
-        profile: Profile {
-            pose_cap: interface.pose_cap as usize,
-            ..Profile::v1_8()
-        },
-        euler: match interface.brand {
-            RobotBrand::Abb => EulerConvention::AbbZyx,
-            RobotBrand::Kuka => EulerConvention::KukaAbc,
-            RobotBrand::Fanuc => EulerConvention::FanucWpr,
-        },
-        timeout: SimDuration::from_secs_f64(interface.timeout_s),
-        ..PortSettings::default()
-    };
-    let projects = scene.vision.project.iter().map(|project| ServedProject {
-        id: i32::from(project.id),
-        recipes: project.recipes.iter().map(|r| i32::from(r.id)).collect(),
-        output: match project.output {
-            ProjectOutput::Poses | ProjectOutput::Custom => OutputPort::Poses,
-            ProjectOutput::Path => OutputPort::Path,
-        },
-        ..ServedProject::default()
-    });
-    let branches = scene
-        .viz
-        .steps
-        .iter()
-        .filter_map(|step| match &step.action {
-            VizAction::BranchByMsg(branch) => Some(BranchStep {
-                step: i32::from(step.id),
-                exits: branch.exits.len() as i32,
-            }),
-            _ => None,
-        });
-    ServerSettings {
-        ports: vec![port],
-        projects: projects.collect(),
-        viz: Some(VizProject {
-            branches: branches.collect(),
-            ..VizProject::default()
-        }),
-        ..ServerSettings::default()
     }
 }

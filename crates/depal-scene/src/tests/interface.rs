@@ -31,10 +31,10 @@ fn the_interface_scene_is_what_its_users_rely_on() {
             ..
         }
     ));
-    assert_eq!(
-        spec.projects[&3].custom_data(2).unwrap(),
-        [[1.0, 2.0, 3.0, 7.5, -8.0], [1.0, 2.0, 3.0, 7.5, -8.0]]
-    );
+    let ports = spec.projects[&3].custom_rows(2).unwrap();
+    assert_eq!(ports[0].rows, [[7.5, -8.0], [7.5, -8.0]]);
+    assert_eq!(ports[1].rows, [[1.0, 2.0, 3.0], [1.0, 2.0, 3.0]]);
+    assert!((3..=100).contains(&spec.interface.calibration.len()));
     for joints in [[0.0, -20.0, 10.0, 0.0, 60.0, 0.0], [0.0; 6]] {
         let joints = depal_frames::JointPositions::from_degrees(&joints);
         assert!(spec.arm.within_limits(&joints));

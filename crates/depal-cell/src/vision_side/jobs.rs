@@ -1,0 +1,147 @@
+//! What the server asks for, and how its work begins.
+
+use std::collections::BTreeSet;
+
+use depal_frames::JointPositions;
+use depal_interface::{Job, PortId, RobotPose, VariableValue};
+use depal_time::SimTime;
+
+use super::results::configured;
+use super::{Owner, StepRun, VisionSide};
+use crate::event::EventKind;
+use crate::score::Score;
+use crate::spec::CellSpec;
+
+impl VisionSide {
+    /// Starts the work that the server asks for.
+    pub(crate) fn take_jobs(
+        &mut self,
+        now: SimTime,
+        spec: &CellSpec,
+        score: &mut Score,
+        events: &mut Vec<EventKind>,
+    ) {
+        while let Some(job) = self.server.poll_job() {
+            match job {
+                Job::RunVision {
+                    job_id,
+                    project,
+                    recipe,
+                    box_size,
+                    pose,
+                } => {
+                    let owner = Owner::Vision(job_id);
+                    if let Some(engine) = self.path_engines.get(&project) {
+                        let run = StepRun {
+                            owner,
+                            engine: engine.clone(),
+                            start: start_of(spec, &pose),
+                            box_sizes: box_size.map(|size| (project, size)).into_iter().collect(),
+                            recipes: recipe.map(|recipe| (project, recipe)).into_iter().collect(),
+                            picture: None,
+                            taken: BTreeSet::new(),
+                        };
+                        self.begin(now, spec, run, score, events);
+                    } else {
+                        let project = configured(spec, project, recipe, box_size);
+                        self.expose(now, spec, owner, project, score, events);
+                    }
+                }
+                Job::StartViz {
+                    job_id,
+                    start,
+                    box_sizes,
+                    recipes,
+                } => {
+                    let home = JointPositions::zeros(spec.arm.joint_count());
+                    let run = StepRun {
+                        owner: Owner::Viz(job_id),
+                        engine: self.engine.clone(),
+                        start: start.unwrap_or(home),
+                        box_sizes,
+                        recipes,
+                        picture: None,
+                        taken: BTreeSet::new(),
+                    };
+                    self.begin(now, spec, run, score, events);
+                }
+                Job::StopViz { job_id } => self.stop_viz(job_id),
+                Job::SetIndex {
+                    job_id,
+                    step,
+                    index,
+                } => {
+                    // The server knows the step's places; the engine takes the number of the command.
+                    if let Some(run) = self.run_of(Owner::Viz(job_id)) {
+                        let _taken = run.engine.set_index(step, index as i32 + 1);
+                    }
+                }
+                Job::WriteParameter {
+                    port,
+                    step,
+                    key,
+                    value,
+                } => self.write_parameter(port, step, &key, value),
+                Job::SetOuterPose { base_from_tcp, .. } => {
+                    self.engine.set_external_pose(base_from_tcp);
+                }
+                Job::SetInputPose { project, step, .. } => note(
+                    events,
+                    format!("project {project}: step {step} has a new input pose"),
+                ),
+                Job::SetVariable { name, value, .. } => {
+                    note(events, format!("variable {name} is {}", text_of(&value)));
+                }
+                Job::SwitchSolution { solution, .. } => {
+                    note(events, format!("solution {solution}"));
+                }
+                Job::CaptureCalibration { number, .. } => {
+                    note(events, format!("calibration pose {number}"));
+                }
+                Job::SetBranch { job_id, exit, .. } => {
+                    let owner = Owner::Viz(job_id);
+                    if let Some(run) = self.run_of(owner) {
+                        let ask = run.engine.branch(exit);
+                        self.follow(now, spec, owner, ask, score, events);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The change holds from the next run on; the server has checked the value against what the step takes.
+    fn write_parameter(&mut self, port: PortId, step: i32, key: &str, value: f64) {
+        if self.engine.set_parameter(step, key, value).is_err() {
+            return;
+        }
+        let places = self.engine.project().index_steps();
+        for (step, places) in places {
+            self.server.set_places(port, step, places as i32);
+        }
+    }
+}
+
+fn note(events: &mut Vec<EventKind>, text: String) {
+    events.push(EventKind::Message { text });
+}
+
+fn text_of(value: &VariableValue) -> String {
+    match value {
+        VariableValue::Number(number) => number.to_string(),
+        VariableValue::Numbers(numbers) => format!("{numbers:?}"),
+        VariableValue::Text(text) => format!("{text:?}"),
+        VariableValue::Texts(texts) => format!("{texts:?}"),
+    }
+}
+
+/// Where a path of a vision project starts: where the robot says it is, or the planner's home.
+fn start_of(spec: &CellSpec, pose: &RobotPose) -> JointPositions {
+    match pose {
+        RobotPose::PathStart(joints)
+        | RobotPose::Current {
+            joints: Some(joints),
+            ..
+        } => *joints,
+        _ => JointPositions::zeros(spec.arm.joint_count()),
+    }
+}
