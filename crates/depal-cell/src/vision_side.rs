@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use depal_frames::{BoxSize, JointPositions};
 use depal_interface::{
-    Direction, Job, JobId, PortId, RobotPose, Server, Status, VisionPoint, VizPath,
+    Direction, FrameFaults, Job, JobId, PortId, RobotPose, Server, Status, VisionPoint, VizPath,
 };
 use depal_time::{SimTime, TICK};
 use depal_workflow::{Ask, Engine, Piece};
@@ -70,6 +70,7 @@ pub(crate) struct VisionSide {
     runs: Vec<StepRun>,
     work: Vec<(SimTime, Work)>,
     frames: u32,
+    frame_faults: FrameFaults,
     picks_planned: i32,
     target: Option<u32>,
     last_failure: Option<FailureReason>,
@@ -100,6 +101,7 @@ impl VisionSide {
             runs: Vec::new(),
             work: Vec::new(),
             frames: 0,
+            frame_faults: FrameFaults::new(&spec.interface.faults),
             picks_planned: 0,
             target: None,
             last_failure: None,
@@ -153,6 +155,9 @@ impl VisionSide {
         self.take_jobs(now, spec, score, events);
         while let Some(reply) = self.server.poll_reply() {
             link.send_to_robot(now, reply.connection, reply.bytes);
+            if reply.closes {
+                link.close_from_server(now, reply.connection);
+            }
         }
         while let Some(entry) = self.server.poll_log() {
             let from = match entry.direction {
@@ -494,6 +499,22 @@ impl VisionSide {
         }
     }
 
+    /// The camera does not answer.
+    fn lose_camera(&mut self, now: SimTime, owner: Owner, events: &mut Vec<EventKind>) {
+        let lost = Status::CameraNotConnected;
+        self.last_failure = Some(FailureReason::NoDetection);
+        events.push(EventKind::Message {
+            text: "fault: the camera does not answer".to_owned(),
+        });
+        match owner {
+            Owner::Viz(_) => self.refuse(now, owner, lost.seen_from_viz()),
+            Owner::Vision(job_id) => {
+                self.end(owner);
+                self.server.finish_vision(now, job_id, Err(lost));
+            }
+        }
+    }
+
     /// Carries out the work that is due. Waits for what is still being computed elsewhere.
     pub(crate) fn advance(
         &mut self,
@@ -516,6 +537,9 @@ impl VisionSide {
             }
             match work {
                 Work::Computing { .. } => {}
+                Work::Exposure { owner, .. } if self.frame_faults.camera_is_lost(now) => {
+                    self.lose_camera(now, owner, events);
+                }
                 Work::Exposure { owner, project } => {
                     let Some(seen) = seen else {
                         continue;
@@ -586,10 +610,20 @@ impl VisionSide {
         now: SimTime,
         spec: &CellSpec,
         owner: Owner,
-        picture: Picture,
+        mut picture: Picture,
         score: &mut Score,
         events: &mut Vec<EventKind>,
     ) {
+        if self.frame_faults.frame_is_empty() {
+            picture.detection.boxes.clear();
+            picture.base_from_boxes.clear();
+            picture.cartons.clear();
+            // What kept vision from finding anything were the cartons, not the region.
+            picture.detection.points_in_region = picture.detection.points_in_region.max(1);
+            events.push(EventKind::Message {
+                text: "fault: vision finds no carton in this picture".to_owned(),
+            });
+        }
         let is_blind = picture.detection.points_in_region == 0;
         let is_empty = picture.detection.boxes.is_empty();
         if is_empty {

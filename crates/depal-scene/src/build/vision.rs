@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use depal_cell::spec::{CustomPort, CustomRows, VisionProject};
 use depal_frames::{BoxSize, EulerConvention, Pose, Vector};
 use depal_interface::{
-    BranchStep, Encoding, OutputPort, PortSettings, Profile, ServerSettings,
+    BranchStep, Encoding, FaultScript, OutputPort, PortSettings, Profile, ServerSettings,
     VisionProject as ServedProject, VizProject,
 };
 use depal_time::SimDuration;
@@ -140,6 +140,7 @@ pub(super) fn server(scene: &Scene) -> ServerSettings {
             branches: branches.collect(),
             ..VizProject::default()
         }),
+        faults: FaultScript::parse(&interface.inject).expect("the reader refuses wrong faults"),
         ..ServerSettings::default()
     }
 }
