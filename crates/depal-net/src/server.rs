@@ -212,6 +212,7 @@ impl Server {
             to_brain: self.to_brain.clone(),
             from_brain,
             stop,
+            is_deaf: false,
         })
     }
 }
