@@ -38,6 +38,7 @@ mod ports;
 mod replay;
 pub mod robot_sockets;
 mod server;
+mod session_host;
 
 pub use compute::{compute_at_once, compute_on_thread};
 pub use error::NetError;
@@ -46,3 +47,4 @@ pub use notice::Notice;
 pub use ports::{Ports, bind};
 pub use replay::{Difference, Replayed, replay};
 pub use server::{Stop, Stopper, serve};
+pub use session_host::SessionHost;
