@@ -19,7 +19,7 @@ pub struct Outgoing {
     pub bytes: Vec<u8>,
     /// The command answered; 0 if it was unreadable.
     pub command: i32,
-    /// The status code; 601 has none.
+    /// The status code; 601 has none, nor has a reply that a scripted fault withholds.
     pub status: Option<Status>,
     /// The connection is to be closed after this.
     pub closes: bool,
@@ -79,6 +79,7 @@ impl Session {
             self.connections.remove(&connection);
             let nothing = Outgoing {
                 bytes: Vec::new(),
+                status: None,
                 closes: true,
                 ..whole
             };

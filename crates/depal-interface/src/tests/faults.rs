@@ -211,6 +211,7 @@ fn a_connection_drops_instead_of_the_nth_reply_of_its_port() {
     );
     assert_eq!(bench.server.poll_reply(), None, "nothing follows");
     let log: Vec<_> = std::iter::from_fn(|| bench.server.poll_log()).collect();
+    assert_eq!(log.last().unwrap().status, None, "nobody has heard it");
     let told = &log.last().unwrap().text;
     assert_eq!(
         told,

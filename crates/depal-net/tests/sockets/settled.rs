@@ -74,7 +74,7 @@ fn each_waiting_command_holds_up_its_own_connection_in_order() {
     // One port each, so that every command finds something to wait for.
     let waits: &[(&str, &str, &str)] = &[
         (TRIGGER, "102,1", "102,1100,1,8,"),
-        (TRIGGER, "102,1", "102,1100,1,8,"),
+        ("101,2,0,0,0,0,0,0,0,0", "105,2,1", "105,1"),
         ("201,2,0,-20,10,0,60,0", "205,1", "205,2025"),
         ("201,2,0,-20,10,0,60,0", "210,1", "210,2025"),
         ("901", "601", "601,0"),
