@@ -16,7 +16,7 @@ fn run(faults: &str) -> Finished {
 
 fn status_count(finished: &Finished, status: i32) -> u64 {
     let statuses = &finished.outcome.score.statuses;
-    statuses.get(&status).map_or(0, |count| (*count).into())
+    statuses.get(&status).copied().unwrap_or(0)
 }
 
 fn seconds(finished: &Finished) -> f64 {

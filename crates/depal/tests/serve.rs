@@ -393,7 +393,7 @@ fn settings_of_the_interface_can_be_set() {
     let angles = |points: &[f64]| [points[8], points[9], points[10]];
     let [z, y, x] = angles(&abb);
     assert_eq!(angles(&fanuc), [x, y, z]);
-    assert!((x - z).abs() > 1.0, "{:?}", angles(&abb));
+    assert_ne!(x, z, "else the order would not show");
     let hurried = with(&["interface.timeout_s=0.1"]);
     let mut robot = hurried.client();
     assert_eq!(ask(&mut robot, TRIGGER), "101,1102");
