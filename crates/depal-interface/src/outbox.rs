@@ -5,7 +5,7 @@ use depal_wire::{Reply, Status};
 
 use crate::faults::ReplyFate;
 use crate::log::Direction;
-use crate::session::{ConnectionId, Session};
+use crate::session::{ConnectionId, LOG_TEXT_LEN, Session};
 use crate::settings::PortId;
 
 /// Bytes to send, in one write.
@@ -63,7 +63,7 @@ impl Session {
         causes.extend(fate.causes);
         let status = reply.verdict();
         let meaning = status.map_or("message", Status::meaning);
-        let mut text = format!("{} ({meaning})", reply.text());
+        let mut text = format!("{} ({meaning})", reply.text_head(LOG_TEXT_LEN + 1));
         if !causes.is_empty() {
             text = format!("[fault {}] {text}", causes.join("; "));
         }

@@ -20,7 +20,7 @@ use crate::vision_run::{VisionOutput, VisionRun};
 use crate::viz_run::VizRun;
 
 /// Characters of a message in the log.
-const LOG_TEXT_LEN: usize = 200;
+pub(crate) const LOG_TEXT_LEN: usize = 200;
 /// Bytes that a client may send ahead of the replies; more is no client of this protocol.
 const MAX_AHEAD: usize = 65_536;
 
