@@ -162,6 +162,12 @@ impl Server {
         session.is_some_and(|session| session.is_waiting(connection))
     }
 
+    /// Whether a command of this client waits for a run to end.
+    pub fn awaits_run(&self, port: PortId, connection: ConnectionId) -> bool {
+        let session = self.sessions.get(usize::from(port.0));
+        session.is_some_and(|session| session.awaits_run(connection))
+    }
+
     fn session(&mut self, port: PortId) -> Option<&mut Session> {
         self.sessions.get_mut(usize::from(port.0))
     }

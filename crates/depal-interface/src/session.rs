@@ -218,11 +218,12 @@ impl Session {
     }
 
     pub(crate) fn is_waiting(&self, connection: ConnectionId) -> bool {
+        let is_held = |held: &Held| held.outgoing.connection == connection;
+        self.awaits_run(connection) || self.held.iter().any(is_held)
+    }
+
+    pub(crate) fn awaits_run(&self, connection: ConnectionId) -> bool {
         self.waiting.iter().any(|w| w.connection == connection)
-            || self
-                .held
-                .iter()
-                .any(|h| h.outgoing.connection == connection)
     }
 
     /// Asks again for every request that waits, in order of arrival.

@@ -176,7 +176,7 @@ impl<H: SessionHost> Brain<H> {
                 if let Some(turn) = self.turn(client) {
                     turn.acknowledges = true;
                 }
-                if self.station.is_waiting(port, id) {
+                if self.station.awaits_run(port, id) {
                     self.dismiss_half_closed(client);
                 }
             }
@@ -202,7 +202,7 @@ impl<H: SessionHost> Brain<H> {
                 **client != newcomer && client.0 == newcomer.0 && peer.is_half_closed
             })
             .map(|(client, _)| *client)
-            .filter(|(port, id)| self.station.is_waiting(*port, *id))
+            .filter(|(port, id)| self.station.awaits_run(*port, *id))
             .collect();
         for client in gone {
             let turn = Turn {

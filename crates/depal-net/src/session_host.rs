@@ -18,6 +18,8 @@ pub trait SessionHost: Send {
     fn disconnect(&mut self, port: PortId, connection: ConnectionId);
     /// Whether a command of this client waits, and what it sends meanwhile with it.
     fn is_waiting(&self, port: PortId, connection: ConnectionId) -> bool;
+    /// Whether a command of this client waits for a run to end.
+    fn awaits_run(&self, port: PortId, connection: ConnectionId) -> bool;
     /// The next tick at which something is due, later than [`tick`](Self::tick).
     fn next_due(&self) -> Option<u64>;
     /// Lets time pass up to `target`; the tick reached, which is an earlier one while a result is missing.
@@ -53,6 +55,10 @@ impl SessionHost for Station {
 
     fn is_waiting(&self, port: PortId, connection: ConnectionId) -> bool {
         self.is_waiting(port, connection)
+    }
+
+    fn awaits_run(&self, port: PortId, connection: ConnectionId) -> bool {
+        self.awaits_run(port, connection)
     }
 
     fn next_due(&self) -> Option<u64> {

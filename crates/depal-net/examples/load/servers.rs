@@ -215,6 +215,10 @@ impl SessionHost for Points {
         self.server.is_waiting(port, connection)
     }
 
+    fn awaits_run(&self, port: PortId, connection: ConnectionId) -> bool {
+        self.server.awaits_run(port, connection)
+    }
+
     fn next_due(&self) -> Option<u64> {
         let due = self.server.poll_timeout()?;
         Some(due.as_nanos().div_ceil(TICK.as_nanos()).max(self.tick + 1))

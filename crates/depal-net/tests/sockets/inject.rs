@@ -1,6 +1,7 @@
 //! Faults on demand over sockets: each with its effect, and beside it the same dialogue without.
 
 use std::io::Read;
+use std::net::Shutdown;
 use std::time::{Duration, Instant};
 
 use depal_interface::Encoding;
@@ -148,4 +149,19 @@ fn split_replies_come_in_pieces_and_are_whole() {
         robot.send(b"901\r");
         assert_eq!(reads(&mut robot, 9).len(), 1);
     }
+}
+
+/// A client that has closed its sending side and gets its reply late is not taken for one that is gone.
+#[test]
+fn a_delayed_reply_is_not_lost_to_a_client_that_waits_for_a_run() {
+    let served = with(&["delay=1s@command=901"]);
+    let mut patient = served.client();
+    patient.send(b"901\r");
+    patient.0.shutdown(Shutdown::Write).expect("a socket");
+    let mut other = served.client();
+    other.check(TRIGGER, "101,1102");
+    assert!(other.ask("102,1").starts_with("102,1100,1,8,"));
+    let mut all = String::new();
+    patient.0.read_to_string(&mut all).expect("a reply");
+    assert_eq!(all, "901,1101\r");
 }
