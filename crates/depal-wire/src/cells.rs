@@ -257,7 +257,7 @@ impl CellWriter {
             return padded(cells, length);
         }
         let mut text = self.ascii_text(usize::MAX, |text, value| {
-            short_real(text, value, profile.ascii_decimals)
+            short_real(text, value, profile.ascii_decimals);
         });
         if profile.ascii_trailing_comma {
             text.push(',');
