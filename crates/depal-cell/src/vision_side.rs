@@ -504,7 +504,7 @@ impl VisionSide {
         let lost = Status::CameraNotConnected;
         self.last_failure = Some(FailureReason::NoDetection);
         events.push(EventKind::Message {
-            text: "fault: the camera does not answer".to_owned(),
+            text: "fault camera_lost: no picture can be taken".to_owned(),
         });
         match owner {
             Owner::Viz(_) => self.refuse(now, owner, lost.seen_from_viz()),
@@ -621,7 +621,7 @@ impl VisionSide {
             // What kept vision from finding anything were the cartons, not the region.
             picture.detection.points_in_region = picture.detection.points_in_region.max(1);
             events.push(EventKind::Message {
-                text: "fault: vision finds no carton in this picture".to_owned(),
+                text: "fault no_points: what vision found in this picture is withheld".to_owned(),
             });
         }
         let is_blind = picture.detection.points_in_region == 0;

@@ -20,6 +20,9 @@
 //! # }
 //! ```
 //!
+//! Anything else that is a [`SessionHost`] can stand in for the station; `examples/load.rs` measures the
+//! server so, beside a trivial one.
+//!
 //! Simulated time runs at the speed of the wall clock, in ticks of 4 ms, and waits where computing takes
 //! longer than its latency; it never runs faster to catch up.
 //!
