@@ -2,6 +2,7 @@
 
 mod counterfactuals;
 mod determinism;
+mod faults;
 mod runner;
 mod scenes;
 mod tidy;

@@ -26,6 +26,14 @@ struct RobotEnd {
     connection: ConnectionId,
     open_from: SimTime,
     incoming: VecDeque<(SimTime, Vec<u8>)>,
+    /// When the robot learns that the server has closed.
+    closed_from: Option<SimTime>,
+}
+
+impl RobotEnd {
+    fn is_closed(&self, now: SimTime) -> bool {
+        self.closed_from.is_some_and(|from| from <= now)
+    }
 }
 
 /// The link. In process there are no addresses: the port alone decides who answers.
@@ -71,6 +79,14 @@ impl Link {
         }
     }
 
+    /// The server closes; the robot learns it one latency later, after all that was sent before.
+    pub(crate) fn close_from_server(&mut self, now: SimTime, connection: ConnectionId) {
+        let due = now + self.latency;
+        if let Some(end) = self.end_of(connection) {
+            end.closed_from.get_or_insert(due);
+        }
+    }
+
     fn end_of(&mut self, connection: ConnectionId) -> Option<&mut RobotEnd> {
         self.ends
             .values_mut()
@@ -108,6 +124,7 @@ impl Network for Link {
                 connection,
                 open_from: now + self.latency + self.latency,
                 incoming: VecDeque::new(),
+                closed_from: None,
             },
         );
         Poll::Pending
@@ -120,7 +137,7 @@ impl Network for Link {
         socket: SocketId,
         bytes: &[u8],
     ) -> Result<(), Fault> {
-        let Some(end) = self.ends.get(&socket) else {
+        let Some(end) = self.ends.get(&socket).filter(|end| !end.is_closed(now)) else {
             return Err(Fault::SocketClosed);
         };
         let message = ToServer::Bytes(bytes.to_vec());
@@ -150,7 +167,9 @@ impl Network for Link {
                 end.incoming.pop_front();
             }
         }
-        if bytes.is_empty() {
+        if bytes.is_empty() && end.is_closed(now) {
+            Poll::Ready(Received::Closed)
+        } else if bytes.is_empty() {
             Poll::Pending
         } else {
             Poll::Ready(Received::Data(bytes))

@@ -164,10 +164,16 @@ impl Station {
         }
     }
 
-    /// Whether a command of this client waits for a run to end.
+    /// Whether a command of this client waits for a run to end, or for its delayed reply.
     pub fn is_waiting(&self, port: PortId, connection: ConnectionId) -> bool {
         let lane = self.lanes.get(usize::from(port.0));
         lane.is_some_and(|lane| lane.vision.server.is_waiting(LANE_PORT, connection))
+    }
+
+    /// Whether a command of this client waits for a run to end.
+    pub fn awaits_run(&self, port: PortId, connection: ConnectionId) -> bool {
+        let lane = self.lanes.get(usize::from(port.0));
+        lane.is_some_and(|lane| lane.vision.server.awaits_run(LANE_PORT, connection))
     }
 
     /// The next tick at which something is due, always later than [`tick`](Self::tick).

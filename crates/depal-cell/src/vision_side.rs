@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use depal_frames::{BoxSize, JointPositions};
-use depal_interface::{Direction, JobId, PortId, Server, Status};
+use depal_interface::{Direction, FrameFaults, JobId, PortId, Server, Status};
 use depal_time::{SimTime, TICK};
 use depal_workflow::Engine;
 
@@ -78,6 +78,7 @@ pub(crate) struct VisionSide {
     runs: Vec<StepRun>,
     work: Vec<(SimTime, Work)>,
     frames: u32,
+    frame_faults: FrameFaults,
     picks_planned: i32,
     target: Option<u32>,
     last_failure: Option<FailureReason>,
@@ -108,6 +109,7 @@ impl VisionSide {
             runs: Vec::new(),
             work: Vec::new(),
             frames: 0,
+            frame_faults: FrameFaults::new(&spec.interface.faults),
             picks_planned: 0,
             target: None,
             last_failure: None,
@@ -161,6 +163,9 @@ impl VisionSide {
         self.take_jobs(now, spec, score, events);
         while let Some(reply) = self.server.poll_reply() {
             link.send_to_robot(now, reply.connection, reply.bytes);
+            if reply.closes {
+                link.close_from_server(now, reply.connection);
+            }
         }
         while let Some(entry) = self.server.poll_log() {
             let from = match entry.direction {
@@ -236,6 +241,22 @@ impl VisionSide {
         }
     }
 
+    /// The camera does not answer.
+    fn lose_camera(&mut self, now: SimTime, owner: Owner, events: &mut Vec<EventKind>) {
+        let lost = Status::CameraNotConnected;
+        self.last_failure = Some(FailureReason::NoDetection);
+        events.push(EventKind::Message {
+            text: "fault camera_lost: no picture can be taken".to_owned(),
+        });
+        match owner {
+            Owner::Viz(_) => self.refuse(now, owner, lost.seen_from_viz()),
+            Owner::Vision(job_id) => {
+                self.end(owner);
+                self.server.finish_vision(now, job_id, Err(lost));
+            }
+        }
+    }
+
     /// Carries out the work that is due. Waits for what is still being computed elsewhere.
     pub(crate) fn advance(
         &mut self,
@@ -258,6 +279,9 @@ impl VisionSide {
             }
             match work {
                 Work::Computing { .. } => {}
+                Work::Exposure { owner, .. } if self.frame_faults.camera_is_lost(now) => {
+                    self.lose_camera(now, owner, events);
+                }
                 Work::Exposure { owner, project } => {
                     let Some(seen) = seen else {
                         continue;

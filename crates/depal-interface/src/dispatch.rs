@@ -56,19 +56,19 @@ impl Session {
             Request::SetTexts(body) => self.set_texts(body),
             Request::GetNotify(_) => return self.get_notify(now),
             Request::Calibrate(body) => return Answer::Reply(self.calibrate(body)),
-            Request::GetState(_) => return Answer::Reply(self.state()),
+            Request::GetState(_) => return Answer::Reply(self.state(now)),
             _ => Status::InvalidCommand,
         };
         Answer::Reply(Reply::status(request.code(), status))
     }
 
-    fn state(&self) -> Reply {
+    fn state(&self, now: SimTime) -> Reply {
         let has_vision = !self.projects.is_empty();
         match self.settings.profile.state_reply {
             StateReply::Fields => Reply::State(StateFields {
                 has_vision,
                 has_viz: self.viz_project.is_some(),
-                has_camera: self.has_camera,
+                has_camera: self.has_camera && !self.faults.camera_is_lost(now),
             }),
             StateReply::Ready if has_vision => Reply::status(901, Status::VisionReady),
             StateReply::Ready => Reply::status(901, Status::VisionNotRegistered),

@@ -20,6 +20,8 @@
 //! assert_eq!(server.poll_reply().unwrap().bytes, b"901,1101\r");
 //! ```
 //!
+//! [`FaultScript`] makes things go wrong on demand, so that a robot program's error handling can be tried.
+//!
 //! Inside SI and radians; millimetres, degrees and the brand's angle order exist only in the bytes.
 //!
 //! All commands of the interface. What a step kind does with an index, a parameter, an external pose, an input
@@ -28,9 +30,12 @@
 
 mod calibration;
 mod dispatch;
+mod fault_script;
+mod faults;
 mod job;
 mod log;
 mod notify;
+mod outbox;
 mod path_fetch;
 mod project_values;
 mod property_config;
@@ -46,16 +51,19 @@ pub use depal_wire::{
     AsciiTerminator, Encoding, HexPlanCells, HexReplyLength, PointCell8, Profile, StateReply,
     Status,
 };
+pub use fault_script::{FaultError, FaultScript};
+pub use faults::FrameFaults;
 pub use job::{
     CustomPort, Job, JobId, Motion, PathPoint, PlannedPath, RobotPose, VariableValue,
     VisionMoveData, VisionOutcome, VisionPoint, VisionResult, VizOutcome, VizPath,
 };
 pub use log::{Direction, LogEntry};
+pub use outbox::Outgoing;
 pub use property_config::{
     PropertyConfig, PropertyConfigError, PropertyValue, ReadLine, WriteLine,
 };
 pub use server::Server;
-pub use session::{ConnectionId, Outgoing, Session};
+pub use session::{ConnectionId, Session};
 pub use settings::{
     BranchStep, CalibrationPose, IndexStep, InterfaceError, OutputPort, ParameterRange, PortId,
     PortSettings, ServerSettings, StepParameter, Variable, VariableKind, VisionProject, VizProject,

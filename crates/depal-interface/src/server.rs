@@ -3,7 +3,8 @@ use depal_wire::Status;
 
 use crate::job::{Job, JobId, PlannedPath, VisionOutcome, VisionResult, VizOutcome};
 use crate::log::LogEntry;
-use crate::session::{ConnectionId, Outgoing, Session};
+use crate::outbox::Outgoing;
+use crate::session::{ConnectionId, Session};
 use crate::settings::{InterfaceError, PortId, ServerSettings};
 use crate::vision_run::VisionOutput;
 
@@ -165,10 +166,16 @@ impl Server {
         self.sessions.iter().filter_map(Session::poll_timeout).min()
     }
 
-    /// Whether a command of this client waits for a run to end; what it sends meanwhile waits, too.
+    /// Whether a command of this client waits for a run to end, or for its delayed reply; what it sends meanwhile waits, too.
     pub fn is_waiting(&self, port: PortId, connection: ConnectionId) -> bool {
         let session = self.sessions.get(usize::from(port.0));
         session.is_some_and(|session| session.is_waiting(connection))
+    }
+
+    /// Whether a command of this client waits for a run to end.
+    pub fn awaits_run(&self, port: PortId, connection: ConnectionId) -> bool {
+        let session = self.sessions.get(usize::from(port.0));
+        session.is_some_and(|session| session.awaits_run(connection))
     }
 
     fn session(&mut self, port: PortId) -> Option<&mut Session> {

@@ -7,9 +7,11 @@ use depal_wire::{Encoding, Frame, Framer, Reply, Request, Status};
 
 use crate::calibration::Calibration;
 use crate::dispatch::{Answer, Asked};
+use crate::faults::DialogueFaults;
 use crate::job::{Job, JobId, PlannedPath};
 use crate::log::{Direction, LogEntry};
 use crate::notify::Message;
+use crate::outbox::{Held, Outgoing};
 use crate::property_config::{PropertyConfig, PropertyConfigError};
 use crate::settings::{
     CalibrationPose, PortId, PortSettings, ServerSettings, StepParameter, Variable, VisionProject,
@@ -19,30 +21,13 @@ use crate::vision_run::{VisionOutput, VisionRun};
 use crate::viz_run::VizRun;
 
 /// Characters of a message in the log.
-const LOG_TEXT_LEN: usize = 200;
+pub(crate) const LOG_TEXT_LEN: usize = 200;
 /// Bytes that a client may send ahead of the replies; more is no client of this protocol.
 const MAX_AHEAD: usize = 65_536;
 
 /// A client of a port; the number is chosen by the transport and never used twice on a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ConnectionId(pub u64);
-
-/// Bytes to send, in one write.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Outgoing {
-    /// The port.
-    pub port: PortId,
-    /// The connection.
-    pub connection: ConnectionId,
-    /// One whole reply.
-    pub bytes: Vec<u8>,
-    /// The command answered; 0 if it was unreadable.
-    pub command: i32,
-    /// The status code; 601 has none.
-    pub status: Option<Status>,
-    /// The connection is to be closed after this.
-    pub closes: bool,
-}
 
 /// The state of one port. It outlives connections: results wait for the next client.
 #[derive(Debug, Clone)]
@@ -62,12 +47,15 @@ pub struct Session {
     pub(crate) calibration: Calibration,
     pub(crate) message: Option<Message>,
     pub(crate) has_camera: bool,
-    connections: BTreeMap<ConnectionId, Framer>,
+    pub(crate) faults: DialogueFaults,
+    pub(crate) connections: BTreeMap<ConnectionId, Framer>,
     /// Requests whose run is not over, in order of arrival; at most one a connection.
     waiting: Vec<Waiting>,
+    /// Replies, or pieces of them, whose time has not come; a connection is held up by its own.
+    pub(crate) held: Vec<Held>,
     job_count: u32,
     pub(crate) jobs: VecDeque<Job>,
-    replies: VecDeque<Outgoing>,
+    pub(crate) replies: VecDeque<Outgoing>,
     log: VecDeque<LogEntry>,
 }
 
@@ -111,8 +99,10 @@ impl Session {
             calibration: Calibration::default(),
             message: None,
             has_camera: true,
+            faults: DialogueFaults::new(&server.faults),
             connections: BTreeMap::new(),
             waiting: Vec::new(),
+            held: Vec::new(),
             job_count: 0,
             jobs: VecDeque::new(),
             replies: VecDeque::new(),
@@ -135,6 +125,7 @@ impl Session {
     pub fn handle_disconnect(&mut self, _now: SimTime, connection: ConnectionId) {
         self.connections.remove(&connection);
         self.waiting.retain(|w| w.connection != connection);
+        self.held.retain(|h| h.outgoing.connection != connection);
         self.replies.retain(|r| r.connection != connection);
     }
 
@@ -163,6 +154,7 @@ impl Session {
             let late = self.waiting.remove(place);
             self.send(now, late.connection, &late.on_timeout, false);
         }
+        self.release(now);
         self.serve_all(now);
     }
 
@@ -189,7 +181,8 @@ impl Session {
             .iter()
             .filter(|(id, _)| !self.is_waiting(**id))
             .filter_map(|(_, framer)| framer.poll_timeout());
-        deadlines.chain(silences).min()
+        let held = self.held.iter().map(|h| h.due);
+        deadlines.chain(held).chain(silences).min()
     }
 
     pub(crate) fn finish_vision(
@@ -226,6 +219,11 @@ impl Session {
     }
 
     pub(crate) fn is_waiting(&self, connection: ConnectionId) -> bool {
+        let is_held = |held: &Held| held.outgoing.connection == connection;
+        self.awaits_run(connection) || self.held.iter().any(is_held)
+    }
+
+    pub(crate) fn awaits_run(&self, connection: ConnectionId) -> bool {
         self.waiting.iter().any(|w| w.connection == connection)
     }
 
@@ -315,6 +313,11 @@ impl Session {
             None,
             text,
         );
+        if let Some((status, cause)) = self.faults.on_command(request.code()) {
+            let reply = Reply::status(request.code(), status);
+            self.send_because(now, connection, &reply, false, vec![cause]);
+            return;
+        }
         let runs_before = self.job_count;
         match self.dispatch(now, &request, Asked::First) {
             Answer::Reply(reply) => self.send(now, connection, &reply, false),
@@ -332,36 +335,14 @@ impl Session {
     }
 
     /// What the connection speaks; the port's own encoding until that is found out.
-    fn encoding_of(&self, connection: ConnectionId) -> Encoding {
+    pub(crate) fn encoding_of(&self, connection: ConnectionId) -> Encoding {
         let framer = self.connections.get(&connection);
         framer
             .and_then(Framer::encoding)
             .unwrap_or(self.settings.encoding)
     }
 
-    fn send(&mut self, now: SimTime, connection: ConnectionId, reply: &Reply, closes: bool) {
-        let status = reply.verdict();
-        let meaning = status.map_or("message", Status::meaning);
-        let text = format!("{} ({meaning})", reply.text());
-        self.record(
-            now,
-            connection,
-            Direction::Sent,
-            reply.command(),
-            status.map(Status::code),
-            text,
-        );
-        self.replies.push_back(Outgoing {
-            port: self.port,
-            connection,
-            bytes: reply.encode(self.encoding_of(connection), &self.settings.profile),
-            command: reply.command(),
-            status,
-            closes,
-        });
-    }
-
-    fn record(
+    pub(crate) fn record(
         &mut self,
         at: SimTime,
         connection: ConnectionId,

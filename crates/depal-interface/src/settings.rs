@@ -3,6 +3,7 @@ use depal_time::SimDuration;
 use depal_wire::{Encoding, Profile, Status};
 use thiserror::Error;
 
+use crate::fault_script::FaultScript;
 use crate::property_config::{PropertyConfig, PropertyConfigError};
 
 /// A port of the server: its place in [`ServerSettings::ports`].
@@ -26,6 +27,8 @@ pub struct ServerSettings {
     pub property_config: String,
     /// Where 701 sends the robot, in order: 3 to 100 poses, or none if no calibration is set up.
     pub calibration: Vec<CalibrationPose>,
+    /// What shall go wrong on every port; each counts for itself.
+    pub faults: FaultScript,
 }
 
 /// One place of a calibration.
@@ -70,6 +73,7 @@ impl Default for ServerSettings {
             variables: Vec::new(),
             property_config: String::new(),
             calibration: Vec::new(),
+            faults: FaultScript::default(),
         }
     }
 }

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use crate::*;
 
 mod coverage;
+mod faults;
 mod order_model;
 mod property_config;
 

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
-use depal_cell::station::Station;
 use depal_interface::{ConnectionId, PortId};
 use depal_time::{SimTime, TICK};
 use tokio::sync::mpsc::UnboundedSender;
@@ -15,6 +14,7 @@ use crate::NetError;
 use crate::clock::PacedClock;
 use crate::journal::{Entry, Journal, What};
 use crate::notice::Notice;
+use crate::session_host::SessionHost;
 
 /// Messages taken in one go before replies leave: their journal lines share one write.
 const BATCH: usize = 64;
@@ -59,17 +59,17 @@ struct Peer {
     turn: Option<Turn>,
 }
 
-pub(crate) struct Brain {
-    pub(crate) station: Station,
+pub(crate) struct Brain<H> {
+    pub(crate) station: H,
     pub(crate) journal: Option<Journal>,
     pub(crate) notices: Notices,
     pub(crate) messages: Receiver<ToBrain>,
     peers: BTreeMap<Client, Peer>,
 }
 
-impl Brain {
+impl<H: SessionHost> Brain<H> {
     pub(crate) fn new(
-        station: Station,
+        station: H,
         journal: Option<Journal>,
         notices: Notices,
         messages: Receiver<ToBrain>,
@@ -176,7 +176,7 @@ impl Brain {
                 if let Some(turn) = self.turn(client) {
                     turn.acknowledges = true;
                 }
-                if self.station.is_waiting(port, id) {
+                if self.station.awaits_run(port, id) {
                     self.dismiss_half_closed(client);
                 }
             }
@@ -202,7 +202,7 @@ impl Brain {
                 **client != newcomer && client.0 == newcomer.0 && peer.is_half_closed
             })
             .map(|(client, _)| *client)
-            .filter(|(port, id)| self.station.is_waiting(*port, *id))
+            .filter(|(port, id)| self.station.awaits_run(*port, *id))
             .collect();
         for client in gone {
             let turn = Turn {

@@ -5,6 +5,7 @@ use std::sync::mpsc::Sender;
 use std::time::Duration;
 
 use depal_interface::Encoding;
+use socket2::SockRef;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::sync::{mpsc::UnboundedReceiver, watch};
@@ -34,6 +35,8 @@ pub(crate) struct Task {
     pub(crate) to_brain: Sender<ToBrain>,
     pub(crate) from_brain: UnboundedReceiver<Turn>,
     pub(crate) stop: watch::Receiver<bool>,
+    /// A reply could not be written in time.
+    pub(crate) is_deaf: bool,
 }
 
 /// Between two calls of the loop.
@@ -171,6 +174,7 @@ impl Task {
             Ok(Ok(())) => Ok(()),
             Ok(Err(error)) => Err(format!("connection lost: {error}")),
             Err(_) => {
+                self.is_deaf = true;
                 let seconds = self.limits.write.as_secs_f64();
                 Err(format!("does not read: a reply waited for {seconds} s"))
             }
@@ -179,6 +183,12 @@ impl Task {
 
     /// Closes so that the last reply arrives even if the client is still sending.
     async fn farewell(mut self) {
+        if self.is_deaf {
+            // An orderly end would wait behind the replies that nobody reads, and the system keep them:
+            // without lingering, the connection is reset.
+            let _ = SockRef::from(&self.stream).set_linger(Some(Duration::ZERO));
+            return;
+        }
         if self.stream.shutdown().await.is_err() {
             return;
         }

@@ -23,6 +23,9 @@ pub struct Header {
     pub file: Option<String>,
     /// Overrides of its keys.
     pub set: Vec<String>,
+    /// Faults beyond those of the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub inject: Vec<String>,
     /// Kind of each port.
     pub ports: Vec<String>,
 }

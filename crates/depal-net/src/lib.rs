@@ -20,6 +20,9 @@
 //! # }
 //! ```
 //!
+//! Anything else that is a [`SessionHost`] can stand in for the station; `examples/load.rs` measures the
+//! server so, beside a trivial one.
+//!
 //! Simulated time runs at the speed of the wall clock, in ticks of 4 ms, and waits where computing takes
 //! longer than its latency; it never runs faster to catch up.
 //!
@@ -38,6 +41,7 @@ mod ports;
 mod replay;
 pub mod robot_sockets;
 mod server;
+mod session_host;
 
 pub use compute::{compute_at_once, compute_on_thread};
 pub use error::NetError;
@@ -46,3 +50,4 @@ pub use notice::Notice;
 pub use ports::{Ports, bind};
 pub use replay::{Difference, Replayed, replay};
 pub use server::{Stop, Stopper, serve};
+pub use session_host::SessionHost;

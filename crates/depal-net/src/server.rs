@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
 
-use depal_cell::station::Station;
 use depal_interface::{ConnectionId, Encoding, PortId};
 use socket2::{SockRef, TcpKeepalive};
 use tokio::net::{TcpListener, TcpStream};
@@ -16,7 +15,7 @@ use tokio::task::JoinSet;
 use crate::brain::{Brain, Notices, ToBrain};
 use crate::client::Task;
 use crate::journal::Journal;
-use crate::{Limits, NetError, Notice, Ports};
+use crate::{Limits, NetError, Notice, Ports, SessionHost};
 
 /// After a failed accept (no descriptor left): then clients may have gone.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
@@ -64,11 +63,11 @@ impl Stop {
     }
 }
 
-/// Answers clients until `stop`. The station has one session for each port, in the same order.
+/// Answers clients until `stop`. The station (a [`depal_cell::station::Station`]) has one session for each port, in the same order.
 /// `notices` is called from several threads and must not block.
 pub fn serve(
     ports: Ports,
-    station: Station,
+    station: impl SessionHost + 'static,
     limits: Limits,
     notices: impl Fn(Notice) + Send + Sync + 'static,
     journal: Option<Journal>,
@@ -212,6 +211,7 @@ impl Server {
             to_brain: self.to_brain.clone(),
             from_brain,
             stop,
+            is_deaf: false,
         })
     }
 }

@@ -1,7 +1,11 @@
 //! The robot-facing interface of the vision server, and how long things take on the way.
 
+use depal_interface::FaultScript;
+use serde_json::{Value as Json, json};
+
 use crate::choice::{choice, one_of};
-use crate::reader::section;
+use crate::document::{Node, Value};
+use crate::reader::{Reader, Rule, section};
 use crate::rules::{Flag, ListOf, Maybe, Text, number, table, whole};
 
 choice! {
@@ -198,6 +202,44 @@ section! {
         /// Global variables that 504 to 507 may set; a value is noted and changes nothing else.
         /// Default: none.
         variable: Vec<Variable>, ListOf(table(), 0, 99), default(Vec::new());
+        /// Faults on demand, to try a program's error handling, as in status=1019@command=102,n=2.
+        /// Also no_points@pick=4, camera_lost@t=10s, delay=12s@command=205, drop_connection@reply=7, split_replies.
+        /// Default none: nothing goes wrong by itself.
+        inject: Vec<String>, Faults, default(Vec::new());
+    }
+}
+
+/// Faults, one or several in each text.
+struct Faults;
+
+impl Rule for Faults {
+    type Output = Vec<String>;
+
+    fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<Vec<String>> {
+        let Value::List(items) = &node.value else {
+            reader.unexpected(node, key, "a list of faults, as in [\"no_points@pick=4\"]");
+            return None;
+        };
+        let mut faults = Vec::new();
+        for (place, item) in items.iter().enumerate() {
+            let key = format!("{key}[{place}]");
+            let Value::Text(text) = &item.value else {
+                reader.unexpected(item, &key, "a fault, as in \"no_points@pick=4\"");
+                continue;
+            };
+            match FaultScript::parse(&[text]) {
+                Ok(_) => faults.push(text.clone()),
+                Err(mut error) => {
+                    let hint = error.hint.take();
+                    reader.problem(&item.place, &key, error.to_string(), hint);
+                }
+            }
+        }
+        (faults.len() == items.len()).then_some(faults)
+    }
+
+    fn schema(&self) -> Json {
+        json!({"type": "array", "items": {"type": "string"}})
     }
 }
 

@@ -1,5 +1,7 @@
 //! Cells: the common middle of all encodings. A message is a row of integers and reals.
 
+use std::fmt::Write as _;
+
 use crate::{AsciiTerminator, Encoding, HexPlanCells, Profile};
 
 /// Why a field could not be read.
@@ -254,7 +256,9 @@ impl CellWriter {
             let length = profile.hex_reply_len(cells.len());
             return padded(cells, length);
         }
-        let mut text = self.ascii_text(|value| short_real(value, profile.ascii_decimals));
+        let mut text = self.ascii_text(usize::MAX, |text, value| {
+            short_real(text, value, profile.ascii_decimals);
+        });
         if profile.ascii_trailing_comma {
             text.push(',');
         }
@@ -274,28 +278,45 @@ impl CellWriter {
             let length = profile.hex_request_len.max(cells.len());
             return padded(cells, length);
         }
-        let mut text = self.ascii_text(|value| format!("{value:.6}"));
+        let mut text = self.ascii_text(usize::MAX, |text, value| {
+            let _ = write!(text, "{value:.6}");
+        });
         text.push('\r');
         text.into_bytes()
     }
 
     /// The cells as text without terminator, for logs.
     pub(crate) fn text(&self) -> String {
-        self.ascii_text(|value| short_real(value, 4))
+        self.text_head(usize::MAX)
     }
 
-    fn ascii_text(&self, real: impl Fn(f64) -> String) -> String {
-        let fields: Vec<String> = self
-            .cells
-            .iter()
-            .map(|cell| match cell {
-                Cell::Int(value) => value.to_string(),
-                Cell::Real(value) => real(*value),
-                Cell::Count(value) => format!("{value:.0}"),
-                Cell::Text(value) => value.clone(),
-            })
-            .collect();
-        fields.join(",")
+    /// The beginning of [`text`](Self::text): whole fields, until there are at least `most` bytes.
+    pub(crate) fn text_head(&self, most: usize) -> String {
+        self.ascii_text(most, |text, value| short_real(text, value, 4))
+    }
+
+    /// All in one buffer: replies of 20 points are mostly the writing of numbers.
+    fn ascii_text(&self, most: usize, real: impl Fn(&mut String, f64)) -> String {
+        let mut text = String::with_capacity(most.min(8 * self.cells.len()) + 16);
+        for (place, cell) in self.cells.iter().enumerate() {
+            if text.len() >= most {
+                break;
+            }
+            if place > 0 {
+                text.push(',');
+            }
+            // Writing to a string cannot fail.
+            let _ = match cell {
+                Cell::Int(value) => write!(text, "{value}"),
+                Cell::Real(value) => {
+                    real(&mut text, *value);
+                    Ok(())
+                }
+                Cell::Count(value) => write!(text, "{value:.0}"),
+                Cell::Text(value) => text.write_str(value),
+            };
+        }
+        text
     }
 
     fn hex_bytes(&self, encoding: Encoding, counts: HexPlanCells) -> Vec<u8> {
@@ -324,17 +345,17 @@ fn padded(mut bytes: Vec<u8>, length: usize) -> Vec<u8> {
 }
 
 /// Rounded to `decimals`, zeros stripped down to one decimal, never `-0.0`.
-fn short_real(value: f64, decimals: usize) -> String {
-    let mut text = format!("{value:.decimals$}");
-    if text.contains('.') {
+fn short_real(text: &mut String, value: f64, decimals: usize) {
+    let start = text.len();
+    let _ = write!(text, "{value:.decimals$}");
+    if text[start..].contains('.') {
         while text.ends_with('0') && !text.ends_with(".0") {
             text.pop();
         }
     } else {
         text.push_str(".0");
     }
-    if text == "-0.0" {
-        text.remove(0);
+    if &text[start..] == "-0.0" {
+        text.remove(start);
     }
-    text
 }

@@ -126,6 +126,13 @@ impl Reply {
         cells.text()
     }
 
+    /// The beginning of [`text`](Self::text): whole fields, until there are at least `most` bytes.
+    pub fn text_head(&self, most: usize) -> String {
+        let mut cells = CellWriter::default();
+        self.write(&Profile::v1_8(), &mut cells);
+        cells.text_head(most)
+    }
+
     /// Reads the reply of a server of version 1.8 to `request`, as a robot does.
     /// The request is needed because the form of some replies depends on what was asked for.
     pub fn decode(encoding: Encoding, request: &Request, frame: &[u8]) -> Result<Self, ReplyError> {

@@ -696,3 +696,33 @@ fn each_single_cut_gives_the_same_requests() {
         }
     }
 }
+
+#[test]
+fn the_head_of_a_text_is_its_beginning() {
+    let list = PointList {
+        is_last: true,
+        vision_move: 0,
+        points: vec![
+            PointRecord {
+                values: [1.5, -0.00001, 3.0, 0.25, 1e6, 2.0],
+                label: 1,
+                cell8: 0,
+            };
+            20
+        ],
+    };
+    let reply = Reply::Points {
+        command: 102,
+        status: Status::VisionResult,
+        list,
+    };
+    let whole = reply.text();
+    assert!(whole.starts_with("102,1100,1,20,0,1.5,0.0,3.0,0.25,1000000.0,2.0,1,0,1.5,"));
+    for most in 0..=whole.len() + 1 {
+        let head = reply.text_head(most);
+        assert!(whole.starts_with(&head));
+        assert!(head.len() >= most.min(whole.len()));
+        assert!(head.len() < most + 12, "{} of {most}", head.len());
+    }
+    assert_eq!(reply.text_head(usize::MAX), whole);
+}

@@ -1,7 +1,12 @@
 //! Replays inputs that are known to be awkward for the decoders. Each is also cut at every byte.
+//! `corpus/ascii` and `corpus/hex` hold inputs of the fuzz targets, see `fuzz/Cargo.toml`.
+
+#[path = "../fuzz/checks.rs"]
+mod checks;
 
 use depal_time::{SimDuration, SimTime};
 use depal_wire::{Encoding, Frame, Framer, Request};
+use proptest::prelude::*;
 
 /// Pieces of a stream with the silence before each, milliseconds.
 type Pieces = Vec<(u64, Vec<u8>)>;
@@ -96,4 +101,83 @@ fn awkward_frames() {
             pieces
         },
     );
+}
+
+/// The inputs of one fuzz target.
+#[allow(clippy::disallowed_methods)] // Raw bytes, many of them: a folder, not a table in the code.
+fn inputs(target: &str) -> Vec<Vec<u8>> {
+    let folder = format!("{}/tests/corpus/{target}", env!("CARGO_MANIFEST_DIR"));
+    let entries = std::fs::read_dir(folder).expect("the folder is there");
+    let mut paths: Vec<_> = entries.map(|e| e.expect("readable").path()).collect();
+    paths.sort();
+    let inputs: Vec<Vec<u8>> = paths
+        .iter()
+        .map(|path| std::fs::read(path).expect("readable"))
+        .collect();
+    assert!(inputs.len() >= 10, "{} inputs in {target}", inputs.len());
+    inputs
+}
+
+fn check_both_ways(target: &str, data: &[u8]) {
+    if target == "ascii" {
+        checks::check(Encoding::Ascii, data);
+    } else {
+        checks::check(Encoding::HexLittleEndian, data);
+        checks::check(Encoding::HexBigEndian, data);
+    }
+}
+
+#[test]
+fn the_corpus_of_the_fuzz_targets() {
+    for target in ["ascii", "hex"] {
+        for mut data in inputs(target) {
+            for cut in 0..=255 {
+                data[0] = cut;
+                check_both_ways(target, &data);
+            }
+        }
+    }
+}
+
+/// Bytes that are more often than not part of a command.
+fn likely_byte() -> impl Strategy<Value = u8> {
+    prop_oneof![
+        4 => prop::sample::select(b"0123456789".to_vec()),
+        3 => prop::sample::select(b",\r\n.-+e \0".to_vec()),
+        1 => any::<u8>(),
+    ]
+}
+
+/// Changes to an input: where, and what is put there instead of how many bytes.
+fn changes() -> impl Strategy<Value = Vec<(prop::sample::Index, Vec<u8>, usize)>> {
+    let piece = prop::collection::vec(likely_byte(), 0..6);
+    prop::collection::vec((any::<prop::sample::Index>(), piece, 0..6usize), 1..5)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_bytes(data in prop::collection::vec(likely_byte(), 0..1500)) {
+        check_both_ways("ascii", &data);
+        check_both_ways("hex", &data);
+    }
+
+    #[test]
+    fn any_bytes_at_all(data in prop::collection::vec(any::<u8>(), 0..1500)) {
+        check_both_ways("ascii", &data);
+        check_both_ways("hex", &data);
+    }
+
+    #[test]
+    fn changed_inputs(place in any::<prop::sample::Index>(), changes in changes(), is_text in any::<bool>()) {
+        let target = if is_text { "ascii" } else { "hex" };
+        let mut data = place.get(&inputs(target)).clone();
+        for (place, piece, gone) in changes {
+            let from = place.index(data.len() + 1);
+            let to = (from + gone).min(data.len());
+            data.splice(from..to, piece);
+        }
+        check_both_ways(target, &data);
+    }
 }

@@ -128,6 +128,10 @@ struct RunArgs {
     /// Override a key of the scene, as in camera.noise_mm=1.2. May be given many times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
+    /// Make something go wrong: no_points@pick=4, camera_lost@t=10s, status=1019@command=102,n=2,
+    /// delay=12s@command=205, drop_connection@reply=7, split_replies. Several with ; or several times.
+    #[arg(long, value_name = "FAULT")]
+    inject: Vec<String>,
     /// Print the report as one JSON document on stdout.
     #[arg(long)]
     json: bool,
@@ -150,6 +154,10 @@ struct ServeArgs {
     /// Override a key of the scene, as in interface.brand=fanuc. May be given many times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
+    /// Make something go wrong: no_points@pick=4, camera_lost@t=10s, status=1019@command=102,n=2,
+    /// delay=12s@command=205, drop_connection@reply=7, split_replies. Several with ; or several times.
+    #[arg(long, value_name = "FAULT")]
+    inject: Vec<String>,
     /// Show the raw bytes next to what they mean.
     #[arg(short, long)]
     verbose: bool,

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use depal_cell::cell::{Cell, EndState, RunOutcome};
 use depal_cell::observer::Observer;
+use depal_interface::FaultScript;
 use depal_record::{JsonLines, Recording};
 use depal_report::{AcceptLimits, Report, RunTotals, summary};
 use depal_scene::{BuildError, Scene};
@@ -39,9 +40,10 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
 
 fn run_scene(args: &RunArgs) -> Result<PathBuf, Failure> {
     let scene = load_scene(args.scene.as_deref(), &args.set, args.seed)?;
-    let built = scene
+    let mut built = scene
         .build()
         .map_err(|error| Failure::Input(explain(&error)))?;
+    built.spec.interface.faults.extend(faults(&args.inject)?);
     for warning in &built.warnings {
         eprintln!("{}", draw(warning, &built.sources));
     }
@@ -114,6 +116,11 @@ pub fn load_scene(
         Some(path) => Scene::load_file(&path.to_string_lossy(), &overrides, seed),
     };
     scene.map_err(|errors| Failure::Input(errors.to_string()))
+}
+
+/// The faults of `--inject`.
+pub fn faults(texts: &[String]) -> Result<FaultScript, Failure> {
+    FaultScript::parse(texts).map_err(|error| Failure::Input(format!("--inject: {error}")))
 }
 
 /// A build error with the source lines, where there are some.

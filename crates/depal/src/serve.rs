@@ -14,7 +14,7 @@ use serde_json::json;
 
 use crate::ServeArgs;
 use crate::failure::Failure;
-use crate::run::{explain, load_scene, wall_seconds};
+use crate::run::{explain, faults, load_scene, wall_seconds};
 use crate::serve_log::ServeLog;
 
 /// One `--listen`.
@@ -35,6 +35,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
         .map(|text| parse_listen(text))
         .collect::<Result<Vec<_>, _>>()?;
     let mut spec = cell_spec(args.scene.as_ref(), &args.set)?;
+    spec.interface.faults.extend(faults(&args.inject)?);
     if listens.is_empty() {
         let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), spec.port);
         let encoding = own_port(&spec).encoding;
@@ -141,6 +142,7 @@ fn open_journal(
             .as_ref()
             .map(|file| file.to_string_lossy().into_owned()),
         set: args.set.clone(),
+        inject: args.inject.clone(),
         ports: encodings.iter().map(|e| e.name().to_owned()).collect(),
     };
     let failed = |error: std::io::Error| {
@@ -201,6 +203,8 @@ fn answer_again(args: &ServeArgs) -> Result<(), Failure> {
     let mut set = header.set.clone();
     set.extend(args.set.iter().cloned());
     let mut spec = cell_spec(args.scene.as_ref().or(recorded_file.as_ref()), &set)?;
+    spec.interface.faults.extend(faults(&header.inject)?);
+    spec.interface.faults.extend(faults(&args.inject)?);
     if spec.scene != header.scene {
         return Err(Failure::Input(format!(
             "the journal is of scene {:?}, and this is {:?}",

@@ -178,3 +178,29 @@ fn a_missing_recording_is_named() {
         &["nowhere.rrd", "depal run"],
     );
 }
+
+#[test]
+fn faults_on_demand_change_a_run() {
+    let run = |name: &str, faults: &[&str]| {
+        let out = folder(name).to_string_lossy().into_owned();
+        let fixed = [
+            "run",
+            "scenes/interface.toml",
+            "--no-recording",
+            "--out",
+            &out,
+        ];
+        depal(&[&fixed, faults].concat())
+    };
+    check(&run("faultless", &[]), 0, &[]);
+    let fault = "status=1019@command=102,n=1";
+    check(&run("faulty", &["--inject", fault]), 1, &["status 1019"]);
+    check(
+        &run("misspelt", &["--inject", "split_reply"]),
+        2,
+        &[
+            "--inject: fault \"split_reply\"",
+            "did you mean \"split_replies\"?",
+        ],
+    );
+}

@@ -56,10 +56,14 @@ impl Served {
         client(self.ports[0])
     }
 
-    fn terminate(mut self) -> (Option<i32>, Duration) {
+    fn terminate(self) -> (Option<i32>, Duration) {
+        self.signal("-TERM")
+    }
+
+    fn signal(mut self, signal: &str) -> (Option<i32>, Duration) {
         let started = Instant::now();
         let pid = self.child.id().to_string();
-        let killed = Command::new("kill").args(["-TERM", &pid]).status();
+        let killed = Command::new("kill").args([signal, &pid]).status();
         assert!(killed.expect("kill is there").success());
         let status = self.child.wait().expect("it ends");
         (status.code(), started.elapsed())
@@ -339,6 +343,94 @@ fn sigterm_ends_cleanly_and_the_port_is_free_at_once() {
     let listen = format!("ascii={address}");
     let again = Served::start(&[&["--listen", &listen], FEW].concat());
     assert_eq!(ask(&mut again.client(), "901"), "901,1101");
+}
+
+#[test]
+fn signals_end_it_cleanly_while_commands_wait() {
+    for signal in ["-INT", "-TERM"] {
+        let served = Served::ascii();
+        let mut waiting = served.client();
+        assert_eq!(ask(&mut waiting, TRIGGER), "101,1102");
+        waiting.write_all(b"102,1\r").expect("sent");
+        let mut busy = served.client();
+        busy.write_all("901\r".repeat(2_000).as_bytes())
+            .expect("sent");
+        assert_eq!(reply(&mut busy), "901,1101");
+        let (code, time) = served.signal(signal);
+        assert_eq!(code, Some(0), "{signal}");
+        assert!(time < Duration::from_secs(2), "{signal}: {time:?}");
+        // What came was whole replies.
+        let mut rest = Vec::new();
+        let _ = busy.read_to_end(&mut rest);
+        assert_eq!(rest.len() % "901,1101\r".len(), 0, "{signal}");
+        assert!(is_closed(&mut waiting));
+    }
+}
+
+#[test]
+fn settings_of_the_interface_can_be_set() {
+    let with = |set: &[&str]| {
+        let set: Vec<&str> = set.iter().flat_map(|set| ["--set", set]).collect();
+        Served::start(&[&["--listen", "ascii=127.0.0.1:0"], FEW, &set].concat())
+    };
+    let points = |served: &Served| {
+        let mut robot = served.client();
+        assert_eq!(ask(&mut robot, TRIGGER), "101,1102");
+        let reply = ask(&mut robot, "102,1");
+        let fields: Vec<f64> = reply
+            .split(',')
+            .map(|f| f.parse().expect("a number"))
+            .collect();
+        fields
+    };
+    let abb = points(&with(&[]));
+    assert_eq!(abb[..4], [102.0, 1100.0, 1.0, 8.0]);
+    let few = points(&with(&["interface.pose_cap=3"]));
+    assert_eq!(few[..4], [102.0, 1100.0, 0.0, 3.0]);
+    assert_eq!(few.len(), 5 + 3 * 8);
+    // The same pose in the other brand's order: three angles the other way round.
+    let fanuc = points(&with(&["interface.brand=fanuc"]));
+    let angles = |points: &[f64]| [points[8], points[9], points[10]];
+    let [z, y, x] = angles(&abb);
+    assert_eq!(angles(&fanuc), [x, y, z]);
+    assert_ne!(x, z, "else the order would not show");
+    let hurried = with(&["interface.timeout_s=0.1"]);
+    let mut robot = hurried.client();
+    assert_eq!(ask(&mut robot, TRIGGER), "101,1102");
+    assert_eq!(ask(&mut robot, "102,1"), "102,1019");
+    assert_eq!(ask(&mut robot, "601"), "601,0");
+}
+
+#[test]
+fn faults_on_demand_come_from_the_command_line_and_are_replayed() {
+    let path = temporary("faulty.jsonl");
+    let journal = path.to_string_lossy().into_owned();
+    let faults = [
+        "--inject",
+        "status=1019@command=102,n=1;drop_connection@reply=4",
+        "--inject",
+        "split_replies@command=901",
+        "--journal",
+        &journal,
+    ];
+    let served = Served::start(&[&["--listen", "ascii=127.0.0.1:0"], FEW, &faults].concat());
+    let mut robot = served.client();
+    assert_eq!(ask(&mut robot, TRIGGER), "101,1102");
+    assert_eq!(ask(&mut robot, "102,1"), "102,1019");
+    assert_eq!(ask(&mut robot, "901"), "901,1101");
+    robot.write_all(b"901\r").expect("sent");
+    assert!(is_closed(&mut robot));
+    let mut next = served.client();
+    assert!(ask(&mut next, "102,1").starts_with("102,1100,1,8,"));
+    drop(next);
+    assert_eq!(served.terminate().0, Some(0));
+    let same = run_to_end(&["--replay", &journal, "--json"]);
+    assert_eq!(same.status.code(), Some(0), "{same:?}");
+
+    let wrong = run_to_end(&["--inject", "statuss=1019@command=102"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    let told = String::from_utf8_lossy(&wrong.stderr).into_owned();
+    assert!(told.contains("did you mean \"status\"?"), "{told}");
 }
 
 #[test]

@@ -209,10 +209,20 @@ impl VisionSide {
         now: SimTime,
         spec: &CellSpec,
         owner: Owner,
-        picture: Picture,
+        mut picture: Picture,
         score: &mut Score,
         events: &mut Vec<EventKind>,
     ) {
+        if self.frame_faults.frame_is_empty() {
+            picture.detection.boxes.clear();
+            picture.base_from_boxes.clear();
+            picture.cartons.clear();
+            // What kept vision from finding anything were the cartons, not the region.
+            picture.detection.points_in_region = picture.detection.points_in_region.max(1);
+            events.push(EventKind::Message {
+                text: "fault no_points: what vision found in this picture is withheld".to_owned(),
+            });
+        }
         let is_blind = picture.detection.points_in_region == 0;
         let is_empty = picture.detection.boxes.is_empty();
         if is_empty {

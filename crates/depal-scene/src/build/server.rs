@@ -2,9 +2,10 @@
 
 use depal_frames::EulerConvention;
 use depal_interface::{
-    AsciiTerminator, BranchStep, CalibrationPose, Encoding, HexPlanCells, HexReplyLength,
-    IndexStep, OutputPort, ParameterRange, PointCell8, PortSettings, Profile, ServerSettings,
-    StateReply, Status, StepParameter, Variable, VariableKind, VisionProject, VizProject,
+    AsciiTerminator, BranchStep, CalibrationPose, Encoding, FaultScript, HexPlanCells,
+    HexReplyLength, IndexStep, OutputPort, ParameterRange, PointCell8, PortSettings, Profile,
+    ServerSettings, StateReply, Status, StepParameter, Variable, VariableKind, VisionProject,
+    VizProject,
 };
 use depal_time::SimDuration;
 use depal_workflow::{Project, Writable};
@@ -54,6 +55,8 @@ pub(super) fn server(
         variables: variables.collect(),
         property_config: scene.viz.property_config.clone().unwrap_or_default(),
         calibration,
+        faults: FaultScript::parse(&scene.interface.inject)
+            .expect("the reader refuses wrong faults"),
     }
 }
 

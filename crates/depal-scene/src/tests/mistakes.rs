@@ -89,6 +89,14 @@ fn typical_mistakes() {
             "",
             &[("gripper.vacuum_kpa", "-2"), ("interface.pose_cap", "31")],
         ),
+        told(
+            "",
+            "",
+            &[(
+                "interface.inject",
+                r#"["no_points@pick=4", "no_point", "delay=2@command=102"]"#,
+            )],
+        ),
     ];
     insta::assert_snapshot!(pages.join("\n"));
 }

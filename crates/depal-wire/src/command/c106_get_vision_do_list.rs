@@ -1,6 +1,6 @@
 //! 106: fetches which digital outputs of the gripper to switch on for the path of a vision project.
 //!
-//! - Wire: `106, job`, from version 2.1 with the number of gripper sections, 1 to 64; 0 stands for absent.
+//! - Wire: `106, job`, from version 2.1 with the number of gripper sections, 1 to 64; in HEX 0 stands for absent.
 //! - Reply: `106, 1106, d1 .. d64`, -1 in unused places.
 //! - Codes: 1008 no gripper plan, 1011 job, 1020 not started, 3002 sections out of range.
 //! - Golden file: `106_get_vision_do_list.txt`.

@@ -1,6 +1,6 @@
 //! 206: fetches which digital outputs of the gripper to switch on.
 //!
-//! - Wire: `206`, from version 2.1 with the number of gripper sections, 1 to 64; 0 stands for absent.
+//! - Wire: `206`, from version 2.1 with the number of gripper sections, 1 to 64; in HEX 0 stands for absent.
 //! - Reply: `206, 2102, d1 .. d64`, -1 in unused places.
 //! - Codes: 2011 nothing planned, 3002 sections out of range.
 //! - Golden file: `206_get_do_list.txt`.
@@ -33,13 +33,14 @@ impl RequestBody for GetDoList {
     }
 }
 
-/// Sections of the gripper: absent, 0 for absent, or 1 to 64.
+/// Sections of the gripper: absent, or 1 to 64. HEX fills absent fields with zeros; in text a 0 is a wrong number.
 pub(crate) fn read_sections(cells: &mut CellReader<'_>) -> Result<Option<i32>, BodyError> {
     if cells.remaining() == Some(0) {
         return Ok(None);
     }
+    let is_hex = cells.remaining().is_none();
     match cells.int()? {
-        0 => Ok(None),
+        0 if is_hex => Ok(None),
         n @ 1..=64 => Ok(Some(n)),
         n => Err(BodyError::wrong_format(format!(
             "gripper sections: expected 1 to 64, found {n}"
