@@ -103,6 +103,8 @@ pub struct Cabinet {
     pub(crate) state: ControllerState,
     /// End of the last cycle.
     pub(crate) cycle_end: SimTime,
+    /// End of the cycle under way.
+    pub(crate) cycle_limit: SimTime,
     /// When the next statement begins.
     pub(crate) cursor: SimTime,
     /// Place of the last statement, and the one told last.
@@ -163,6 +165,7 @@ impl Cabinet {
             statement_cost,
             state: ControllerState::Idle,
             cycle_end: SimTime::ZERO,
+            cycle_limit: SimTime::ZERO,
             cursor: SimTime::ZERO,
             statement: None,
             statement_told: None,

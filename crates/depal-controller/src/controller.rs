@@ -60,6 +60,7 @@ impl Controller {
     pub fn tick(&mut self, now: SimTime, network: &mut dyn Network) {
         let end = now + TICK;
         self.cabinet.cursor = self.cabinet.cursor.max(now);
+        self.cabinet.cycle_limit = end;
         // A move that ends within this cycle is seen by the program in the next one only.
         let moving = !self.cabinet.motion.is_standing(now);
         self.cabinet.looked.set(moving);

@@ -214,6 +214,20 @@ impl System for CabinetSystem<'_> {
         });
     }
 
+    fn spare_statements(&self) -> u32 {
+        let left = self
+            .cabinet
+            .cycle_limit
+            .saturating_since(self.cabinet.cursor);
+        let cost = self.cabinet.statement_cost.as_nanos().max(1);
+        u32::try_from(left.as_nanos().div_ceil(cost).saturating_sub(1)).unwrap_or(0)
+    }
+
+    fn statements_ran(&mut self, count: u32) {
+        let passed = self.cabinet.statement_cost.as_nanos() * u64::from(count);
+        self.cabinet.cursor += SimDuration::from_nanos(passed);
+    }
+
     fn statement(&mut self, location: &ProgramLocation) {
         // Most statements lie in the routine of the one before: the strings are reused.
         let at = self.cabinet.cursor;

@@ -42,6 +42,7 @@ pub mod execution;
 mod machine;
 mod memory;
 mod operators;
+mod plain;
 mod program;
 mod span;
 pub mod system;

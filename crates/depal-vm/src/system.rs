@@ -290,6 +290,18 @@ pub trait System {
         })
     }
 
+    /// How many statements beside the one that begins now fit into this cycle. A task may run so many, if they
+    /// ask nothing of the cabinet, in the same step, and tells with [`statements_ran`](Self::statements_ran).
+    /// A cabinet that says 0, as by default, sees each statement.
+    fn spare_statements(&self) -> u32 {
+        0
+    }
+    /// So many statements ran that asked nothing of the cabinet; the time of each has passed. The statement under
+    /// way is not among them.
+    fn statements_ran(&mut self, count: u32) {
+        let _ = count;
+    }
+
     /// A line for the operator or the event log.
     fn log(&mut self, kind: LogKind, location: &ProgramLocation, text: &str);
     /// A statement is about to run (for the trace and the replay).
