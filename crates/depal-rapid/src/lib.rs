@@ -43,5 +43,5 @@ pub use builtins::built_in_names;
 pub use compile::types::SignalKind;
 pub use loading::{
     Loaded, SignalDefinition, check, check_syntax, decode, load, load_with_auto_signals,
-    program_list,
+    normal_form, program_list,
 };
