@@ -33,6 +33,7 @@
 //! Not affiliated with any vendor; RAPID is a language of ABB.
 
 mod builtins;
+mod catalogue;
 mod compile;
 mod errors;
 mod loading;
@@ -40,6 +41,7 @@ mod rules;
 mod syntax;
 
 pub use builtins::built_in_names;
+pub use catalogue::{Page, explain, pages};
 pub use compile::types::SignalKind;
 pub use loading::{
     Loaded, SignalDefinition, check, check_syntax, decode, load, load_with_auto_signals,

@@ -9,10 +9,15 @@ mod motion;
 mod operator;
 mod rawbytes;
 mod records;
+pub(crate) mod refused;
 mod socket;
 mod strings;
 mod table;
 mod timing;
 
+pub(crate) use refused::refused;
+pub(crate) use table::Table;
 pub use table::built_in_names;
-pub(crate) use table::{Table, refused};
+
+#[cfg(test)]
+mod tests;

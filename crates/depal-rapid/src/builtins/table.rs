@@ -12,7 +12,7 @@ use crate::compile::Callee;
 pub(super) type Entry = (&'static str, BuiltinFn);
 
 /// Instructions that the lowering knows itself.
-const LOWERED: [(&str, Callee); 2] = [
+pub(super) const LOWERED: [(&str, Callee); 2] = [
     (
         "PROC WaitUntil(\\switch InPos | switch ZeroSpeed, bool Cond \\num MaxTime \\INOUT bool TimeFlag \\num PollRate)",
         Callee::WaitUntil,
@@ -20,8 +20,8 @@ const LOWERED: [(&str, Callee); 2] = [
     ("PROC ResetRetryCount()", Callee::ResetRetryCount),
 ];
 
-/// Names of the controller that are known and refused with a clear message.
-const REFUSED: [&str; 72] = [
+/// Names of the controller that are known and refused; [`refused`](super::refused) has more of them, by theme.
+pub(super) const REFUSED: &[&str] = &[
     "MoveC",
     "MoveLDO",
     "MoveJDO",
@@ -96,14 +96,6 @@ const REFUSED: [&str; 72] = [
     "CallByVar",
 ];
 
-/// The spelling of a known name that is not simulated.
-pub(crate) fn refused(name: &str) -> Option<&'static str> {
-    REFUSED
-        .iter()
-        .find(|known| known.eq_ignore_ascii_case(name))
-        .copied()
-}
-
 /// Names of all instructions and functions that run here.
 pub fn built_in_names() -> Vec<&'static str> {
     let mut names: Vec<_> = entries()
@@ -116,7 +108,7 @@ pub fn built_in_names() -> Vec<&'static str> {
     names
 }
 
-fn entries() -> Vec<Entry> {
+pub(super) fn entries() -> Vec<Entry> {
     let themes: [&[Entry]; 11] = [
         &interrupts::ENTRIES,
         &operator::ENTRIES,
@@ -134,7 +126,7 @@ fn entries() -> Vec<Entry> {
 }
 
 /// The name in a heading.
-fn name_of(heading: &'static str) -> &'static str {
+pub(super) fn name_of(heading: &'static str) -> &'static str {
     let before = heading.split('(').next().unwrap_or_default();
     before.rsplit(' ').next().unwrap_or_default()
 }

@@ -11,7 +11,7 @@ impl Compiler<'_> {
         span: Span,
         expected: Option<&Type>,
     ) -> Type {
-        let Some(expected) = expected else {
+        let Some(expected) = expected.filter(|t| **t != Type::Any) else {
             self.error(
                 Diagnostic::error(
                     "RAPID0123",

@@ -14,6 +14,7 @@ mod routine;
 mod scope;
 mod statement;
 pub(crate) mod types;
+mod unused;
 mod wait_until;
 
 pub(crate) use program::{compile, undefined_signals};

@@ -9,7 +9,7 @@ use crate::syntax::tree::*;
 
 /// Module data with what is needed to compute their initial values.
 pub(super) struct Declared<'x> {
-    module: usize,
+    pub(super) module: usize,
     data: &'x Data,
     slot: u32,
     kind: Type,

@@ -4,6 +4,7 @@ use depal_vm::{Diagnostic, LanguageRules, Program, SourceFile};
 
 use super::scope::*;
 use super::types::SignalKind;
+use super::unused::Homes;
 use crate::builtins::Table;
 use crate::syntax::tree::*;
 
@@ -93,6 +94,10 @@ fn run<'a>(
     let data = compiler.module_data(modules);
     let routines = compiler.headings(modules);
     compiler.initial_values(&data);
+    let homes = Homes {
+        globals: data.iter().map(|item| item.module).collect(),
+        routines: routines.iter().map(|(module, ..)| *module).collect(),
+    };
     for (module, routine, index) in routines {
         compiler.module = module;
         compiler.routine(routine, index, &modules[module].name.text);
@@ -100,5 +105,6 @@ fn run<'a>(
     if let Some(entry) = entry {
         compiler.entry(entry);
     }
+    compiler.unused_modules(modules, &homes, entry.unwrap_or("main"));
     compiler
 }

@@ -102,6 +102,9 @@ impl Compiler<'_> {
             }
         });
         self.body.in_handler = false;
+        if let RoutineKind::Function(_) = routine.kind {
+            self.check_returns(routine);
+        }
         let undo = routine.undo.as_ref().map(|body| {
             let entry = self.here();
             self.statements(body);
@@ -132,6 +135,30 @@ impl Compiler<'_> {
             undo,
             callable,
         };
+    }
+
+    /// Warns if a function has no RETURN at all.
+    fn check_returns(&mut self, routine: &Routine) {
+        let gives_or_raises = |op: &Op| {
+            matches!(
+                op,
+                Op::Return { value: true } | Op::Raise | Op::RaiseError(_)
+            )
+        };
+        let statements = self.body.code.iter();
+        let any = statements
+            .clone()
+            .any(|op| matches!(op, Op::Statement { .. }));
+        if any && !self.body.code.iter().any(gives_or_raises) {
+            self.error(
+                Diagnostic::warning(
+                    "RAPID0121",
+                    routine.name.span,
+                    format!("the function {} has no RETURN", routine.name.text),
+                )
+                .help("add RETURN and the value"),
+            );
+        }
     }
 
     /// The signature made with the headings; its errors were reported then.

@@ -6,7 +6,26 @@ use crate::syntax::tree::*;
 
 impl Compiler<'_> {
     pub(crate) fn statements(&mut self, statements: &[Statement]) {
+        let mut left: Option<Span> = None;
         for statement in statements {
+            if let Some(last) = left.take()
+                && !matches!(
+                    statement.kind,
+                    StatementKind::Label(_) | StatementKind::Broken
+                )
+            {
+                self.error(
+                    Diagnostic::warning(
+                        "RAPID0122",
+                        statement.span,
+                        "this statement is never reached",
+                    )
+                    .secondary(last, "the program leaves here"),
+                );
+            }
+            if leaves(&statement.kind, self.body.in_handler) {
+                left = Some(statement.span);
+            }
             self.statement(statement);
         }
     }
@@ -250,5 +269,17 @@ impl Compiler<'_> {
                 "RETURN in a procedure has no value",
             )),
         }
+    }
+}
+
+/// Whether nothing behind the statement runs. What is wrong outside of a handler is reported as that.
+fn leaves(statement: &StatementKind, in_handler: bool) -> bool {
+    match statement {
+        StatementKind::Return(_)
+        | StatementKind::Raise(Some(_))
+        | StatementKind::Exit
+        | StatementKind::Goto(_) => true,
+        StatementKind::Raise(None) | StatementKind::Retry | StatementKind::TryNext => in_handler,
+        _ => false,
     }
 }
