@@ -7,7 +7,7 @@ use std::task::Poll;
 use depal_frames::{JointPositions, Pose};
 use depal_time::SimTime;
 use depal_vm::system::*;
-use depal_vm::{CallContext, LanguageRules, Memory, Outcome, Value};
+use depal_vm::{CallContext, Interrupt, LanguageRules, Memory, Outcome, Trigger, Value};
 
 use super::refused;
 use super::table::{LOWERED, Table, entries, name_of};
@@ -98,11 +98,30 @@ impl System for Untouched {
     fn statement(&mut self, _: &ProgramLocation) {}
 }
 
+/// Memories to run in: nothing there, and an interrupt connected while they are held back.
+fn memories() -> [Memory; 2] {
+    let mut busy = Memory::default();
+    busy.interrupts.disabled = true;
+    busy.interrupts.connected.push(Interrupt {
+        number: 0,
+        routine: 0,
+        trigger: Trigger::None,
+        once: false,
+        asleep: false,
+    });
+    [Memory::default(), busy]
+}
+
 /// Whether a built-in called without any argument is over at once, without a result, and has neither asked the
 /// cabinet nor changed the program's data. What has work to do fails for want of its arguments, or does it.
 fn has_no_effect(run: depal_vm::BuiltinFn) -> bool {
+    memories()
+        .into_iter()
+        .all(|memory| leaves_alone(run, memory))
+}
+
+fn leaves_alone(run: depal_vm::BuiltinFn, mut memory: Memory) -> bool {
     let mut system = Untouched::default();
-    let mut memory = Memory::default();
     let before = format!("{memory:?}");
     let (mut arguments, mut notes) = (Vec::new(), Vec::new());
     let location = ProgramLocation::default();
@@ -218,6 +237,8 @@ fn a_no_op_is_told_from_what_works() {
         "AccSet",
         "ExitCycle",
         "IDisable",
+        "IEnable",
+        "IDelete",
         "SetDO",
         "Incr",
         "ClkReset",

@@ -6,4 +6,7 @@ mod fake_system;
 mod interrupts;
 mod language;
 mod mistakes;
+mod orientation;
 mod robustness;
+mod rules;
+mod syntax;
