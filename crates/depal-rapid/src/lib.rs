@@ -47,3 +47,4 @@ pub use loading::{
     Loaded, SignalDefinition, check, check_syntax, decode, load, load_with_auto_signals,
     normal_form, program_list,
 };
+pub use rules::{OPEN_RULES, OpenRule};

@@ -1,5 +1,7 @@
 //! The border between whatever runs as a robot task (the virtual machine, a PLC sequence) and the cabinet.
 
+use depal_time::SimTime;
+
 use crate::system::{ProgramLocation, System};
 
 /// What one step of a task did.
@@ -26,6 +28,37 @@ pub struct RuntimeError {
     pub message: String,
     /// Innermost place first, then its callers.
     pub call_stack: Vec<ProgramLocation>,
+}
+
+impl RuntimeError {
+    /// The lines that an operator reads: `MODULE/ROUTINE:LINE: NAME: message`, then where that was called from,
+    /// innermost first, then the task and the simulated time `at` which it happened.
+    pub fn report(&self, at: SimTime) -> String {
+        let inner = self.call_stack.first().cloned().unwrap_or_default();
+        let message = match self.name.as_str() {
+            "" => self.message.clone(),
+            name => format!("{name}: {}", self.message),
+        };
+        let mut text = format!(
+            "{}/{}:{}: {}",
+            inner.module,
+            inner.routine,
+            inner.line,
+            message.replace(['\n', '\r'], " ")
+        );
+        for caller in self.call_stack.iter().skip(1) {
+            text.push_str(&format!(
+                "\n  called from {}/{}:{}",
+                caller.module, caller.routine, caller.line
+            ));
+        }
+        text.push_str(&format!(
+            "\n  task {} at {:.3} s of simulated time",
+            inner.task,
+            at.as_secs_f64()
+        ));
+        text
+    }
 }
 
 /// A task that the controller drives: one statement at a time, never blocking.

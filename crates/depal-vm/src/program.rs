@@ -65,7 +65,7 @@ pub enum Op {
     /// Puts whether an optional parameter was given.
     IsPresent(u32),
     /// Begins a counting loop: takes the step (if `stepped`), the end and the start.
-    /// Without a step it is +1, or -1 if the start is above the end.
+    /// Without a step it is +1, or -1 if the start is above the end and the language's rules say so.
     ForBegin {
         /// Slot of the loop variable; the next two slots hold end and step.
         slot: u32,
@@ -196,6 +196,8 @@ pub struct LanguageRules {
     pub retry_limit: u32,
     /// Most routine calls inside each other.
     pub recursion_limit: usize,
+    /// Whether a counting loop without a step counts down when its start is above its end.
+    pub for_counts_down: bool,
 }
 
 impl Default for LanguageRules {
@@ -210,6 +212,7 @@ impl Default for LanguageRules {
             string_limit: usize::MAX,
             retry_limit: 4,
             recursion_limit: 200,
+            for_counts_down: true,
         }
     }
 }

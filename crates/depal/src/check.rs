@@ -235,6 +235,9 @@ fn check_modules(modules: &[(usize, &PathBuf)], verdicts: &mut [Verdict], syntax
     } else {
         depal_rapid::check(&sources).diagnostics
     };
+    if let Some(first) = diagnostics.first() {
+        eprintln!("`depal explain {}` and so on tells more\n", first.code);
+    }
     for diagnostic in &diagnostics {
         eprintln!("{}\n", draw(diagnostic, &sources));
         let span = diagnostic.primary.span;

@@ -7,6 +7,7 @@ mod detect;
 mod diagnostics;
 mod exec;
 mod exec_output;
+mod explain;
 mod failure;
 mod image_file;
 mod kinematics;
@@ -61,6 +62,12 @@ enum Command {
     /// stdout has the lines of TPWrite, nothing else. Exit codes: 0 the program ended, stopped, or --max-sim-s
     /// was reached; 1 it stopped on a run-time error; 2 bad input, nothing ran.
     Exec(exec::ExecArgs),
+    /// Tell what a message about a robot program means, with an example and its mend.
+    Explain {
+        /// The code in the message, as in RAPID0104 or 104; without one all codes are listed.
+        #[arg(value_name = "CODE")]
+        code: Option<String>,
+    },
     /// Take one picture with a scene's camera, cartons at rest, and write what it saw and what was there.
     ///
     /// Writes depth.png (16 bit, 0.1 mm, 0 = invalid), intensity.png, intrinsics.json, truth.json and
@@ -171,6 +178,7 @@ fn main() -> ExitCode {
             syntax_only,
         }) => check::check(&files, json, syntax_only),
         Some(Command::Exec(args)) => exec::exec(&args),
+        Some(Command::Explain { code }) => explain::explain(code.as_deref()),
         Some(Command::Render(args)) => render::render(&args),
         Some(Command::Detect(args)) => detect::detect(&args),
         Some(Command::Plan { problem, json }) => plan::plan(&problem, json),

@@ -126,3 +126,20 @@ fn the_page_of_diagnostics_is_up_to_date() {
     }
     up_to_date("diagnostics.md", &text);
 }
+
+#[test]
+fn the_page_of_open_rules_is_up_to_date() {
+    let mut text = String::from(
+        "# Rules that the manuals leave open\n\nMade from `src/rules.rs` by its tests; do not edit.\nEach example runs in the tests.\n",
+    );
+    for rule in &crate::OPEN_RULES {
+        text.push_str(&format!(
+            "\n## {}\n\n{}\n\n```rapid\n{}\n```\n\nwrites `{}`\n",
+            rule.question,
+            rule.answer,
+            rule.example,
+            rule.output.join("`, `")
+        ));
+    }
+    up_to_date("open-rules.md", &text);
+}

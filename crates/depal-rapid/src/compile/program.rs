@@ -84,6 +84,7 @@ fn run<'a>(
                 string_limit: 80,
                 retry_limit: 4,
                 recursion_limit: 200,
+                for_counts_down: crate::rules::FOR_COUNTS_DOWN,
             },
             ..Program::default()
         },

@@ -344,3 +344,11 @@ fn a_traps_own_number_and_errors_by_name() {
         &["0", "two", "3.14159", "TRUE"],
     );
 }
+
+#[test]
+fn rules_that_the_manuals_leave_open_are_as_the_page_says() {
+    let data = "VAR num list{3};\nVAR dnum d;\nVAR num n;\nPROC given()\nRAISE 5;\nERROR\nTPWrite \"given\";\nENDPROC";
+    for rule in &depal_rapid::OPEN_RULES {
+        assert_eq!(output(data, rule.example), rule.output, "{}", rule.question);
+    }
+}

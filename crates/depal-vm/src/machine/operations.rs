@@ -267,7 +267,7 @@ impl Machine {
         let step = stepped.then(|| self.pop());
         let end = self.pop();
         let start = self.pop();
-        let descending = start.as_number() > end.as_number();
+        let descending = self.program.rules.for_counts_down && start.as_number() > end.as_number();
         let step = step.unwrap_or(Value::Num(if descending { -1.0 } else { 1.0 }));
         if step.as_number() == Some(0.0) {
             return Err(MachineFault::ZeroStep);
