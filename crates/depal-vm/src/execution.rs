@@ -46,9 +46,15 @@ impl RuntimeError {
             inner.line,
             message.replace(['\n', '\r'], " ")
         );
-        for caller in self.call_stack.iter().skip(1) {
+        let callers = self.call_stack.get(1..).unwrap_or_default();
+        for same in callers.chunk_by(|a, b| a == b) {
+            let caller = &same[0];
+            let times = match same.len() {
+                1 => String::new(),
+                times => format!(", {times} times"),
+            };
             text.push_str(&format!(
-                "\n  called from {}/{}:{}",
+                "\n  called from {}/{}:{}{times}",
                 caller.module, caller.routine, caller.line
             ));
         }

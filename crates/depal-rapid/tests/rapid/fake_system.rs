@@ -10,6 +10,7 @@ use depal_vm::execution::{RobotTask, Step};
 use depal_vm::system::*;
 use depal_vm::{Machine, SourceFile, Value};
 
+#[derive(Clone)]
 pub struct FakeSystem {
     pub now: SimTime,
     pub trace: Vec<String>,

@@ -2,7 +2,9 @@
 
 mod diagnostics;
 mod effects;
+mod failures;
 mod fake_system;
+mod generate;
 mod interrupts;
 mod language;
 mod mistakes;
@@ -10,3 +12,4 @@ mod orientation;
 mod robustness;
 mod rules;
 mod syntax;
+mod thrown;
