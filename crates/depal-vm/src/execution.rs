@@ -1,5 +1,7 @@
 //! The border between whatever runs as a robot task (the virtual machine, a PLC sequence) and the cabinet.
 
+use std::fmt::Write;
+
 use depal_time::SimTime;
 
 use crate::system::{ProgramLocation, System};
@@ -53,23 +55,26 @@ impl RuntimeError {
                 1 => String::new(),
                 times => format!(", {times} times"),
             };
-            text.push_str(&format!(
+            let _ = write!(
+                text,
                 "\n  called from {}/{}:{}{times}",
                 caller.module, caller.routine, caller.line
-            ));
+            );
         }
-        text.push_str(&format!(
+        let _ = write!(
+            text,
             "\n  task {} at {:.3} s of simulated time",
             inner.task,
             at.as_secs_f64()
-        ));
+        );
         text
     }
 }
 
-/// A task that the controller drives: one statement at a time, never blocking.
+/// A task that the controller drives: a statement at a time, never blocking.
 pub trait RobotTask {
-    /// Runs at most one statement.
+    /// Runs at most one statement, or, if they ask nothing of the cabinet, as many more as it
+    /// [has time for](System::spare_statements).
     fn step(&mut self, system: &mut dyn System) -> Step;
     /// Where the program pointer stands.
     fn location(&self) -> ProgramLocation;

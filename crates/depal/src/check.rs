@@ -235,9 +235,6 @@ fn check_modules(modules: &[(usize, &PathBuf)], verdicts: &mut [Verdict], syntax
     } else {
         depal_rapid::check(&sources).diagnostics
     };
-    if let Some(first) = diagnostics.first() {
-        eprintln!("`depal explain {}` and so on tells more\n", first.code);
-    }
     for diagnostic in &diagnostics {
         eprintln!("{}\n", draw(diagnostic, &sources));
         let span = diagnostic.primary.span;
@@ -250,5 +247,8 @@ fn check_modules(modules: &[(usize, &PathBuf)], verdicts: &mut [Verdict], syntax
             column: at.column,
             message: diagnostic.message.clone(),
         });
+    }
+    if let Some(first) = diagnostics.first() {
+        eprintln!("`depal explain {}` tells more about the first message", first.code);
     }
 }

@@ -7,6 +7,8 @@ mod declarations;
 mod statements;
 mod syntax;
 
+use std::fmt::Write;
+
 /// What there is to know about one code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Page {
@@ -28,7 +30,7 @@ impl Page {
         let mut text = format!("## {}: {}\n\n{}\n", self.code, self.title, self.meaning);
         for (heading, example) in [("Wrong:", self.example), ("Mended:", self.mended)] {
             if !example.is_empty() {
-                text.push_str(&format!("\n{heading}\n\n```rapid\n{example}\n```\n"));
+                let _ = write!(text, "\n{heading}\n\n```rapid\n{example}\n```\n");
             }
         }
         text

@@ -1,6 +1,7 @@
 #![allow(clippy::disallowed_methods)] // The sources and the rendered pages are the tests' data.
 
 use std::collections::BTreeSet;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use depal_vm::SourceFile;
@@ -133,13 +134,14 @@ fn the_page_of_open_rules_is_up_to_date() {
         "# Rules that the manuals leave open\n\nMade from `src/rules.rs` by its tests; do not edit.\nEach example runs in the tests.\n",
     );
     for rule in &crate::OPEN_RULES {
-        text.push_str(&format!(
+        let _ = write!(
+            text,
             "\n## {}\n\n{}\n\n```rapid\n{}\n```\n\nwrites `{}`\n",
             rule.question,
             rule.answer,
             rule.example,
             rule.output.join("`, `")
-        ));
+        );
     }
     up_to_date("open-rules.md", &text);
 }

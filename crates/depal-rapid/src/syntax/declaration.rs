@@ -65,8 +65,8 @@ impl Parser<'_> {
             let Some(attribute) = self.expect_name("a module attribute") else {
                 break;
             };
-            let known = |known: &&str| known.eq_ignore_ascii_case(&attribute.text);
-            if !MODULE_ATTRIBUTES.iter().any(|a| known(&a)) {
+            let known = |known: &str| known.eq_ignore_ascii_case(&attribute.text);
+            if !MODULE_ATTRIBUTES.iter().any(|a| known(a)) {
                 self.diagnostics.push(
                     Diagnostic::error(
                         "RAPID0013",

@@ -1,5 +1,7 @@
 //! Tree to source, in one normal form. Comments are not in the tree, so they are not in the text.
 
+use std::fmt::Write;
+
 use super::tree::*;
 
 /// The modules as a program text that reads as the same tree.
@@ -243,7 +245,7 @@ fn parameters(parameters: &[Parameter]) -> String {
         text.push_str(&parameter.name.text);
         if parameter.dimensions > 0 {
             let stars = vec!["*"; parameter.dimensions];
-            text.push_str(&format!("{{{}}}", stars.join(",")));
+            let _ = write!(text, "{{{}}}", stars.join(","));
         }
     }
     text
@@ -281,7 +283,7 @@ fn arguments(arguments: &[Argument]) -> String {
                 }
             }
             Argument::Conditional { name, from } => {
-                text.push_str(&format!(" \\{}?{}", name.text, from.text));
+                let _ = write!(text, " \\{}?{}", name.text, from.text);
             }
         }
     }
@@ -379,7 +381,9 @@ fn string(text: &str) -> String {
         match c {
             '"' => quoted.push_str("\"\""),
             '\\' => quoted.push_str("\\\\"),
-            c if u32::from(c) < 32 => quoted.push_str(&format!("\\{:02X}", u32::from(c))),
+            c if u32::from(c) < 32 => {
+                let _ = write!(quoted, "\\{:02X}", u32::from(c));
+            }
             c => quoted.push(c),
         }
     }

@@ -80,9 +80,12 @@ fn a_mended_mistake_is_silent() {
         let lines: Vec<_> = sources[0].text.lines().enumerate().collect();
         let text: Vec<_> = lines
             .iter()
-            .map(|(i, text)| match i + 1 == line {
-                true => text.replace(from, to),
-                false => (*text).to_owned(),
+            .map(|(i, text)| {
+                if i + 1 == line {
+                    text.replace(from, to)
+                } else {
+                    (*text).to_owned()
+                }
             })
             .collect();
         sources[0].text = text.join("\n");

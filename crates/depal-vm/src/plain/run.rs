@@ -10,7 +10,7 @@ struct Store<'a> {
 }
 
 impl Store<'_> {
-    #[inline(always)]
+    #[inline]
     fn number(&self, operand: Operand) -> Option<f32> {
         let value = match operand {
             Operand::Local(slot) => &self.locals[slot as usize],
@@ -26,7 +26,7 @@ impl Store<'_> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn truth(&self, operand: Operand) -> Option<bool> {
         let value = match operand {
             Operand::Local(slot) => &self.locals[slot as usize],
@@ -50,7 +50,7 @@ impl Store<'_> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn set(&mut self, to: Operand, number: f32) -> Option<()> {
         let target = match to {
             Operand::Local(slot) => &mut self.locals[slot as usize],
@@ -70,7 +70,7 @@ impl Store<'_> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn set_truth(&mut self, to: Operand, truth: bool) -> Option<()> {
         if let Operand::Temporary(index) = to {
             self.temporaries[index as usize % TEMPORARIES] = f32::from(u8::from(truth));
@@ -86,13 +86,11 @@ impl Store<'_> {
     }
 
     fn copy(&mut self, to: Operand, from: Operand) -> Option<()> {
-        match self.number(from) {
-            Some(number) => self.set(to, number),
-            None => {
-                let truth = self.truth(from)?;
-                self.set_truth(to, truth)
-            }
+        if let Some(number) = self.number(from) {
+            return self.set(to, number);
         }
+        let truth = self.truth(from)?;
+        self.set_truth(to, truth)
     }
 
     fn element(&mut self, array: Operand, index: f32) -> Option<&mut f32> {
@@ -110,7 +108,7 @@ impl Store<'_> {
     }
 
     /// Value, end and step of a counting loop.
-    #[inline(always)]
+    #[inline]
     fn counting(&mut self, slot: u32) -> Option<(&mut f32, f32, f32)> {
         let at = slot as usize;
         match self.locals.get_mut(at..at + 3) {
@@ -123,7 +121,7 @@ impl Store<'_> {
 }
 
 /// The general operators on numbers compute in f64 and round once. For these that is the same.
-#[inline(always)]
+#[inline]
 fn arithmetic(op: Arithmetic, a: f32, b: f32) -> Option<f32> {
     let (wide, divisor) = (f64::from(a), f64::from(b));
     Some(match op {
@@ -136,7 +134,7 @@ fn arithmetic(op: Arithmetic, a: f32, b: f32) -> Option<f32> {
     })
 }
 
-#[inline(always)]
+#[inline]
 fn holds(test: Comparison, a: f32, b: f32) -> bool {
     match test {
         Comparison::Equal => a == b,
@@ -148,7 +146,7 @@ fn holds(test: Comparison, a: f32, b: f32) -> bool {
     }
 }
 
-#[inline(always)]
+#[inline]
 fn is_over(value: f32, end: f32, step: f32) -> bool {
     if step > 0.0 { value > end } else { value < end }
 }
