@@ -26,7 +26,11 @@
 //! simulated time where they call the cabinet. Quaternions are `q1` (the scalar) to `q4`.
 //! num is a 32-bit float, dnum a 64-bit float; geometry is computed in f64 and stored as num.
 //!
-//! Limitations: one task; no interrupts, UNDO, late binding; of two inverse solutions the nearest is taken
+//! Every message has a page ([`explain`], `docs/diagnostics.md`), every instruction a row in
+//! `docs/instructions.md`, and what the manuals leave open is in `docs/open-rules.md`; all three are made from
+//! the code.
+//!
+//! Limitations: one task; a call by name takes no optional arguments; BACKWARD is read and never run; of two inverse solutions the nearest is taken
 //! whatever the configuration data of a target say (as with ConfL and ConfJ off); external axes, stationary
 //! tools and coordinated work objects are refused. `built_in_names` lists what is there.
 //!

@@ -158,6 +158,10 @@ fn load_with(
     diagnostics.extend(found);
     let mut diagnostics = sorted(diagnostics);
     let failed = diagnostics.iter().any(|d| d.severity == Severity::Error);
+    if failed {
+        // What could not be read may be what uses the module.
+        diagnostics.retain(|d| d.code != "RAPID0120");
+    }
     if diagnostics.len() > DIAGNOSTIC_LIMIT {
         let more = diagnostics.len() - DIAGNOSTIC_LIMIT;
         let last = diagnostics[DIAGNOSTIC_LIMIT].primary.span;

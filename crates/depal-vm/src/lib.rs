@@ -33,6 +33,10 @@
 //! Units: times are simulated times; numbers wear the units of their language (millimetres and degrees in
 //! most), the built-ins of the language crate convert to SI at the [`System`](system::System) border.
 //!
+//! Statements of 32-bit numbers, truth values, jumps and counting loops have a second, faster form that the
+//! machine makes for itself; a cabinet that grants [spare statements](system::System::spare_statements) gets them
+//! in batches. What they do, and when, is the same.
+//!
 //! Limitations: one task; a statement is the smallest step.
 
 mod builtin;

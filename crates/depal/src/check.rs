@@ -249,6 +249,9 @@ fn check_modules(modules: &[(usize, &PathBuf)], verdicts: &mut [Verdict], syntax
         });
     }
     if let Some(first) = diagnostics.first() {
-        eprintln!("`depal explain {}` tells more about the first message", first.code);
+        eprintln!(
+            "`depal explain {}` tells more about the first message",
+            first.code
+        );
     }
 }
