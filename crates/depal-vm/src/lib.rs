@@ -58,7 +58,7 @@ pub use error::{MachineFault, RaisedError};
 pub use machine::Machine;
 pub use memory::{Frame, Interrupt, Interrupts, Memory, Trigger};
 pub use operators::{BinaryOp, UnaryOp};
-pub use program::{CallParameter, ErrorHandler, LanguageRules, Op, Program, Routine};
+pub use program::{CallParameter, ErrorHandler, ErrorNumber, LanguageRules, Op, Program, Routine};
 pub use span::{LineColumn, SourceFile, Span};
 pub use value::{ClockState, RAW_BYTES_LIMIT, RawBytes, Reference, Root, Value};
 

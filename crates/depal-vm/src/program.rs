@@ -144,13 +144,24 @@ pub enum Op {
     Stop(String),
 }
 
+/// An error that an error clause takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorNumber {
+    /// This one.
+    Number(i64),
+    /// The one whose number this global holds when the error comes.
+    Global(u32),
+    /// The one whose number this local of the routine holds when the error comes.
+    Local(u32),
+}
+
 /// The error clause of a routine.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ErrorHandler {
     /// Where its code begins.
     pub entry: u32,
     /// The errors it takes; `None` takes all.
-    pub numbers: Option<Vec<i64>>,
+    pub numbers: Option<Vec<ErrorNumber>>,
 }
 
 /// What a call by name must know of a parameter.

@@ -19,7 +19,7 @@ pub(super) const PAGES: [Page; 14] = [
     page(
         "RAPID0116",
         "no constant",
-        "The size of an array and the numbers of an ERROR clause are fixed before the program runs: numbers, or constants.",
+        "The size of an array is fixed before the program runs: a number, or a constant. The numbers of an ERROR clause are numbers, constants, or data that hold one.",
         "MODULE m\n  VAR num n := 3;\n  VAR num list{n};\nENDMODULE",
         "MODULE m\n  CONST num n := 3;\n  VAR num list{n};\nENDMODULE",
     ),

@@ -1,10 +1,13 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use depal_vm::{CallParameter, Diagnostic, ErrorHandler, Op, Routine as Lowered, Span, Value};
+use depal_vm::{
+    CallParameter, Diagnostic, ErrorHandler, ErrorNumber, Op, Routine as Lowered, Span, Value,
+};
 
 use super::module_data::constant_of;
 use super::scope::*;
+use super::types::Type;
 use crate::errors;
 use crate::syntax::tree::*;
 
@@ -78,24 +81,13 @@ impl Compiler<'_> {
             self.body.in_handler = true;
             self.statements(&handler.body);
             self.emit(Op::Reraise);
-            let numbers = handler.numbers.as_ref().map(|numbers| {
+            let numbers: Option<Vec<ErrorNumber>> = handler.numbers.as_ref().map(|numbers| {
                 numbers
                     .iter()
-                    .filter_map(|number| {
-                        let value = self.constant(number, 0);
-                        if value.is_none() {
-                            self.error(Diagnostic::error(
-                                "RAPID0116",
-                                number.span,
-                                "an error number in ERROR(..) is a number or a constant",
-                            ));
-                        }
-                        value.map(|v| v as i64)
-                    })
+                    .filter_map(|n| self.error_number(n))
                     .collect()
             });
-            let numbers: Option<Vec<i64>> = numbers;
-            let all = errors::error("LONG_JMP_ALL_ERR", "").number;
+            let all = ErrorNumber::Number(errors::error("LONG_JMP_ALL_ERR", "").number);
             ErrorHandler {
                 entry,
                 numbers: numbers.filter(|numbers| !numbers.contains(&all)),
@@ -135,6 +127,29 @@ impl Compiler<'_> {
             undo,
             callable,
         };
+    }
+
+    /// An error that a clause takes: a number, a constant, or data that hold the number when the error comes.
+    fn error_number(&mut self, number: &Expression) -> Option<ErrorNumber> {
+        if let Some(value) = self.constant(number, 0) {
+            return Some(ErrorNumber::Number(value as i64));
+        }
+        if let ExpressionKind::Name(name) = &number.kind
+            && let Some(Symbol::Data(data)) = self.lookup(&name.to_lowercase())
+            && Type::Num.accepts(&data.kind)
+            && !data.optional
+        {
+            return Some(match data.slot {
+                Slot::Global(slot) => ErrorNumber::Global(slot),
+                Slot::Local(slot) => ErrorNumber::Local(slot),
+            });
+        }
+        self.error(Diagnostic::error(
+            "RAPID0116",
+            number.span,
+            "an error number in ERROR(..) is a number, or data of type num or errnum",
+        ));
+        None
     }
 
     /// Warns if a function has no RETURN at all.

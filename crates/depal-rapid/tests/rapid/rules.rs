@@ -275,6 +275,23 @@ fn errors_of_the_users_own_are_booked_or_1_to_90() {
 }
 
 #[test]
+fn a_clause_may_name_the_errors_it_takes_by_data() {
+    let data = "VAR errnum ERR_MINE := -1;\nVAR errnum ERR_OTHER := -1;\nCONST errnum FIVE := 5;\nPROC p(num which)\nRAISE which;\nERROR (ERR_MINE, FIVE, ERR_DIVZERO)\nTPWrite \"taken\";\nRETURN;\nENDPROC";
+    check(
+        data,
+        "BookErrNo ERR_MINE; BookErrNo ERR_OTHER; p ERR_MINE; p 5; p ERR_DIVZERO; p ERR_OTHER; TPWrite \"end\";\nERROR\nTPWrite \"passed on\";\nTRYNEXT;",
+        &["taken", "taken", "taken", "passed on", "end"],
+    );
+    assert_eq!(
+        refused(
+            "VAR string s;\nPROC p()\nRAISE 1;\nERROR (s)\nTRYNEXT;\nENDPROC",
+            "p;"
+        ),
+        ["RAPID0116"]
+    );
+}
+
+#[test]
 fn exit_leaves_all_and_return_leaves_one() {
     let data = "PROC a()\nb;\nTPWrite \"a\";\nENDPROC\nPROC b()\nIF TRUE RETURN;\nTPWrite \"b\";\nENDPROC\nPROC c()\nEXIT;\nENDPROC";
     let out = output(data, "a; c; TPWrite \"never\";");

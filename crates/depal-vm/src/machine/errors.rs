@@ -1,7 +1,7 @@
 use super::{Flow, Machine};
 use crate::execution::{RuntimeError, Step};
 use crate::memory::Handling;
-use crate::{MachineFault, RaisedError};
+use crate::{ErrorNumber, MachineFault, RaisedError, Value};
 
 impl Machine {
     /// Hands an error to the nearest handler that takes it. `from_handler`: a handler gives it up itself.
@@ -22,12 +22,20 @@ impl Machine {
             let handler = self.program.routines[frame.routine as usize]
                 .handler
                 .as_ref();
+            let holds = |value: Option<&Value>| {
+                value.and_then(Value::as_number) == Some(error.number as f64)
+            };
+            let is_this = |number: &ErrorNumber| match number {
+                ErrorNumber::Number(number) => *number == error.number,
+                ErrorNumber::Global(slot) => holds(self.memory.globals.get(*slot as usize)),
+                ErrorNumber::Local(slot) => holds(frame.locals.get(*slot as usize)),
+            };
             let takes = !give_up
                 && handler.is_some_and(|handler| {
                     handler
                         .numbers
                         .as_ref()
-                        .is_none_or(|numbers| numbers.contains(&error.number))
+                        .is_none_or(|numbers| numbers.iter().any(is_this))
                 });
             give_up = false;
             if takes {
