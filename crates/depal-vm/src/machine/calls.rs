@@ -2,11 +2,47 @@ use std::sync::Arc;
 
 use super::{Flow, Machine};
 use crate::execution::Step;
-use crate::memory::PendingCall;
+use crate::memory::{Frame, PendingCall};
 use crate::system::System;
 use crate::{CallContext, MachineFault, Outcome, RaisedError, Value};
 
+/// Emptied parts of frames that are kept.
+const SPARE_LIMIT: usize = 64;
+
 impl Machine {
+    /// Calls a routine with the top values of the innermost frame as its first locals.
+    pub(super) fn call(&mut self, routine: u32, arguments: u32) {
+        let code = &self.program.routines[routine as usize];
+        let arguments = arguments as usize;
+        let (mut locals, operands) = self.spare.pop().unwrap_or_default();
+        let caller = self.memory.frames.last_mut();
+        let values = &mut caller.expect("operations run inside a frame").operands;
+        let at = values.len().checked_sub(arguments);
+        locals.extend(values.drain(at.expect("the lowering balances the operand stack")..));
+        locals.extend_from_slice(code.locals.get(arguments..).unwrap_or_default());
+        self.memory.frames.push(Frame {
+            routine,
+            locals,
+            operands,
+            ..Frame::default()
+        });
+    }
+
+    /// Leaves the innermost routine; the room of its data is kept for the next call.
+    pub(super) fn leave(&mut self) {
+        if let Some(Frame {
+            mut locals,
+            mut operands,
+            ..
+        }) = self.memory.frames.pop()
+            && self.spare.len() < SPARE_LIMIT
+        {
+            locals.clear();
+            operands.clear();
+            self.spare.push((locals, operands));
+        }
+    }
+
     pub(super) fn call_by_name(&mut self, count: u32) -> Result<(), MachineFault> {
         let mut given = self.pop_many(count).into_iter();
         let Value::Str(name) = self.pop() else {
@@ -73,11 +109,11 @@ impl Machine {
         self.locate();
         let mut pending = match self.frame().pending.take() {
             Some(pending) => pending,
-            None => PendingCall {
+            None => Box::new(PendingCall {
                 arguments: self.pop_many(arguments),
                 started: system.call_time(),
                 notes: Vec::new(),
-            },
+            }),
         };
         let program = Arc::clone(&self.program);
         let mut context = CallContext {

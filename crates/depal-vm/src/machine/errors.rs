@@ -77,11 +77,11 @@ impl Machine {
         frame.operands.clear();
         frame.pending = None;
         frame.wait_started = None;
-        frame.handling = Some(Handling {
+        frame.handling = Some(Box::new(Handling {
             error,
             retry: frame.statement,
             next: frame.next,
-        });
+        }));
         frame.pc = handler.map_or(0, |handler| handler.entry);
         Flow::Next
     }

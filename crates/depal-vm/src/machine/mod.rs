@@ -26,6 +26,8 @@ pub struct Machine {
     single_cycle: bool,
     /// An error on its way through UNDO clauses to the frame of this height.
     unwinding: Option<(RaisedError, usize)>,
+    /// Emptied locals and operands of frames that were left, to be filled again.
+    spare: Vec<(Vec<Value>, Vec<Value>)>,
 }
 
 /// What an operation asks of the loop around it.
@@ -56,6 +58,7 @@ impl Machine {
             ended: None,
             single_cycle: false,
             unwinding: None,
+            spare: Vec::new(),
         };
         machine.begin();
         if let Some(initializer) = machine.program.initializer {

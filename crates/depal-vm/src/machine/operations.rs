@@ -195,12 +195,11 @@ impl Machine {
                 if self.memory.frames.len() >= limit {
                     return Err(MachineFault::RecursionLimit { limit });
                 }
-                let arguments = self.pop_many(*arguments);
-                self.push_frame(*routine, arguments);
+                self.call(*routine, *arguments);
             }
             Op::Return { value } => {
                 let result = value.then(|| self.pop());
-                self.memory.frames.pop();
+                self.leave();
                 match (self.memory.frames.last_mut(), result) {
                     (None, _) => return Ok(Flow::End(Step::Finished)),
                     (Some(frame), Some(result)) => frame.operands.push(result),
