@@ -28,7 +28,8 @@
 //!
 //! Units and frames: SI, radians, simulated time; poses in the robot base.
 //!
-//! Limitations: one task per cabinet; no signal delay; no speed override;
+//! Limitations: one task per cabinet; no signal delay; a speed override holds for the moves that follow;
+//! every stop on the path brakes as hard as the arm can;
 //! the servo follows exactly; a wait inside a task ends with the cycle, so it is 4 ms coarse.
 
 mod cabinet;
@@ -37,9 +38,11 @@ mod eio;
 mod error;
 mod event;
 mod free_motion;
+mod free_path;
 mod mechanism;
 mod motion_queue;
 mod network;
+mod path_events;
 mod signals;
 mod sockets;
 mod system;

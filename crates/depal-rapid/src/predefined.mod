@@ -13,6 +13,11 @@ MODULE predefined(SYSMODULE)
   RECORD tooldata bool robhold; pose tframe; loaddata tload; ENDRECORD
   RECORD wobjdata bool robhold; bool ufprog; string ufmec; pose uframe; pose oframe; ENDRECORD
 
+  ! What TriggIO and TriggEquip define: kind (0 not yet), distance in mm, lead and delay in s, output, value.
+  RECORD triggdata num kind; num distance; num lead; num delay; string output; dnum level; ENDRECORD
+  RECORD inposdata num position; num speed; num mintime; num maxtime; ENDRECORD
+  RECORD stoppointdata num type; bool progsynch; inposdata inpos; num stoptime; num followtime; string signal; num relation; num checkvalue; ENDRECORD
+
   CONST loaddata load0 := [0.001,[0,0,0.001],[1,0,0,0],0,0,0];
   PERS tooldata tool0 := [TRUE,[[0,0,0],[1,0,0,0]],[0.001,[0,0,0.001],[1,0,0,0],0,0,0]];
   PERS wobjdata wobj0 := [FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
@@ -59,6 +64,16 @@ MODULE predefined(SYSMODULE)
   CONST zonedata z100 := [FALSE,100,150,150,15,150,15];
   CONST zonedata z150 := [FALSE,150,225,225,23,225,23];
   CONST zonedata z200 := [FALSE,200,300,300,30,300,30];
+
+  CONST num inpos := 1;
+  CONST num stoptime := 2;
+  CONST num fllwtime := 3;
+  CONST stoppointdata inpos20 := [1,TRUE,[20,20,0,20],0,0,"",0,0];
+  CONST stoppointdata inpos50 := [1,TRUE,[50,50,0,2],0,0,"",0,0];
+  CONST stoppointdata inpos100 := [1,TRUE,[100,100,0,1],0,0,"",0,0];
+  CONST stoppointdata stoptime0_5 := [2,FALSE,[0,0,0,0],0.5,0,"",0,0];
+  CONST stoppointdata stoptime1_0 := [2,FALSE,[0,0,0,0],1,0,"",0,0];
+  CONST stoppointdata stoptime1_5 := [2,FALSE,[0,0,0,0],1.5,0,"",0,0];
 
   CONST num pi := 3.14159265358979;
   CONST num WAIT_MAX := 8388608;

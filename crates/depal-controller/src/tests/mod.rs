@@ -145,6 +145,7 @@ fn move_j(j1: f64, j2: f64, zone: MoveZone) -> MoveRequest {
         },
         zone,
         flange_from_tcp: Pose::translation(0.0, 0.0, 0.25),
+        configuration: None,
         location: ProgramLocation::default(),
     }
 }

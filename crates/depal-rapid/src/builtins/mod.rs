@@ -6,13 +6,18 @@ mod io;
 mod maths;
 mod messages;
 mod motion;
+mod path;
+mod positions;
 mod operator;
 mod rawbytes;
 mod records;
+mod search;
+mod settings;
 mod socket;
 mod strings;
 mod table;
 mod timing;
+mod triggers;
 
 pub use table::built_in_names;
 pub(crate) use table::{Table, refused};

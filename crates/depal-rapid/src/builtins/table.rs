@@ -1,7 +1,8 @@
 use depal_vm::{Builtin, BuiltinFn};
 
 use super::{
-    geometry, interrupts, io, maths, messages, motion, operator, rawbytes, socket, strings, timing,
+    geometry, interrupts, io, maths, messages, motion, operator, path, positions, rawbytes, search,
+    settings, socket, strings, timing, triggers,
 };
 use crate::syntax::parser::parse_heading;
 use crate::syntax::tree::Routine;
@@ -21,29 +22,13 @@ const LOWERED: [(&str, Callee); 2] = [
 ];
 
 /// Names of the controller that are known and refused with a clear message.
-const REFUSED: [&str; 72] = [
-    "MoveC",
-    "MoveLDO",
-    "MoveJDO",
-    "MoveCDO",
+const REFUSED: &[&str] = &[
     "MoveLSync",
     "MoveJSync",
     "MoveCSync",
     "MoveExtJ",
-    "TriggL",
-    "TriggJ",
-    "TriggC",
-    "TriggIO",
-    "TriggEquip",
     "TriggInt",
-    "SearchL",
-    "SearchC",
     "SearchExtJ",
-    "StopMove",
-    "StartMove",
-    "ClearPath",
-    "StorePath",
-    "RestoPath",
     "StepBwdPath",
     "WaitAI",
     "WaitAO",
@@ -117,10 +102,15 @@ pub fn built_in_names() -> Vec<&'static str> {
 }
 
 fn entries() -> Vec<Entry> {
-    let themes: [&[Entry]; 11] = [
+    let themes: [&[Entry]; 16] = [
         &interrupts::ENTRIES,
         &operator::ENTRIES,
         &motion::ENTRIES,
+        &path::ENTRIES,
+        &positions::ENTRIES,
+        &search::ENTRIES,
+        &settings::ENTRIES,
+        &triggers::ENTRIES,
         &geometry::ENTRIES,
         &io::ENTRIES,
         &timing::ENTRIES,

@@ -91,7 +91,7 @@ pub(crate) fn simple_type(name: &str) -> Option<Type> {
 }
 
 /// Types of the controller that are known and not simulated.
-pub(crate) const REFUSED_TYPES: [&str; 16] = [
+pub(crate) const REFUSED_TYPES: [&str; 15] = [
     "trapdata",
     "errdomain",
     "errtype",
@@ -101,7 +101,6 @@ pub(crate) const REFUSED_TYPES: [&str; 16] = [
     "wztemporary",
     "wzstationary",
     "shapedata",
-    "triggdata",
     "listitem",
     "mecunit",
     "progdisp",

@@ -172,7 +172,7 @@ impl System for FakeSystem {
         }
         let target = match &request.target {
             MoveTarget::Joints(joints) => format!("joints {:.1?}", joints.to_degrees()),
-            MoveTarget::Tcp(pose) => {
+            MoveTarget::Tcp(pose) | MoveTarget::Arc { to: pose, .. } => {
                 let p = pose.translation.vector;
                 format!("tcp {:.4} {:.4} {:.4}", p.x, p.y, p.z)
             }

@@ -1,0 +1,8 @@
+//! RAPID programs on the cabinet with an arm: what the arm and the outputs do, and when.
+
+mod harness;
+mod moves;
+mod path;
+mod search;
+mod settings;
+mod triggers;
