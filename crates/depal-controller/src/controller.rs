@@ -69,7 +69,12 @@ impl Controller {
             run_task(&mut self.cabinet, task.as_mut(), end, network);
         }
         let cabinet = &mut self.cabinet;
+        if !cabinet.motion.is_resting(cabinet.cursor) {
+            // A move that begins and ends within this cycle is seen in the next one only.
+            cabinet.looked.set(true);
+        }
         for fired in cabinet.motion.advance(now, end, &mut cabinet.fresh) {
+            cabinet.looked.set(true);
             cabinet.pass(fired, end);
         }
         cabinet.cycle_end = end;
