@@ -267,6 +267,25 @@ impl System for CabinetSystem<'_> {
         Ok(())
     }
 
+    fn append_file(&mut self, path: &str, bytes: &[u8]) -> Result<(), Fault> {
+        let file = self.cabinet.files.entry(path.to_owned()).or_default();
+        file.extend_from_slice(bytes);
+        Ok(())
+    }
+
+    fn remove_file(&mut self, path: &str) -> Result<(), Fault> {
+        match self.cabinet.files.remove(path) {
+            Some(_) => Ok(()),
+            None => Err(Fault::File {
+                message: format!("{path}: there is no such file in the program's folder"),
+            }),
+        }
+    }
+
+    fn file_names(&self) -> Vec<String> {
+        self.cabinet.files.keys().cloned().collect()
+    }
+
     fn log(&mut self, kind: LogKind, location: &ProgramLocation, text: &str) {
         self.cabinet.fresh.push(ControllerEvent::Log {
             at: self.cabinet.cursor,

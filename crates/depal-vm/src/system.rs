@@ -372,6 +372,23 @@ pub trait System {
         })
     }
 
+    /// Adds to the end of a file in the program's folder; a file that is not there is made.
+    fn append_file(&mut self, path: &str, bytes: &[u8]) -> Result<(), Fault> {
+        let mut all = self.read_file(path).unwrap_or_default();
+        all.extend_from_slice(bytes);
+        self.write_file(path, &all)
+    }
+    /// Removes a file from the program's folder.
+    fn remove_file(&mut self, path: &str) -> Result<(), Fault> {
+        Err(Fault::File {
+            message: format!("{path}: this cabinet has no files"),
+        })
+    }
+    /// Paths of all files in the program's folder; a folder without files ends in a slash.
+    fn file_names(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// A line for the operator or the event log.
     fn log(&mut self, kind: LogKind, location: &ProgramLocation, text: &str);
     /// A statement is about to run (for the trace and the replay).

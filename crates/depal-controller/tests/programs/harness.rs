@@ -32,6 +32,7 @@ pub struct Told {
     pub trace: Vec<Vector>,
     pub joints: Vec<JointPositions>,
     pub waits_for_ever: bool,
+    pub files: std::collections::BTreeMap<String, Vec<u8>>,
 }
 
 impl Told {
@@ -119,6 +120,7 @@ pub fn signals() -> Vec<SignalSpec> {
         SignalSpec::new("do2", SignalKind::DigitalOutput),
         SignalSpec::new("go1", SignalKind::GroupOutput { bits: 8 }),
         SignalSpec::new("ao1", SignalKind::AnalogOutput),
+        SignalSpec::new("ai1", SignalKind::AnalogInput),
     ]
 }
 
@@ -161,10 +163,21 @@ pub fn machine(text: &str) -> Machine {
 
 /// Runs statements, with inputs that change at given seconds, for at most a minute of simulated time.
 pub fn run_with(statements: &str, more: &str, inputs: &[(f64, &str, f64)]) -> Told {
+    run_in(statements, more, inputs, |_| {})
+}
+
+/// As `run_with`, in a cabinet that is changed before.
+pub fn run_in(
+    statements: &str,
+    more: &str,
+    inputs: &[(f64, &str, f64)],
+    change: impl Fn(&mut ControllerSpec),
+) -> Told {
     let text = program(statements, more);
     let home = JointPositions::from_degrees(&[0.0, 0.0, 0.0, 0.0, 90.0, 0.0]);
     let mut spec = ControllerSpec::new("rob1", arm(), home);
     spec.signals = signals();
+    change(&mut spec);
     let mut controller = Controller::new(spec).expect("a cabinet");
     controller.set_task(Box::new(machine(&text)));
     drive(controller, inputs)
@@ -182,6 +195,7 @@ pub fn drive(mut controller: Controller, inputs: &[(f64, &str, f64)]) -> Told {
         trace: Vec::new(),
         joints: Vec::new(),
         waits_for_ever: false,
+        files: std::collections::BTreeMap::new(),
     };
     let mut inputs = inputs.to_vec();
     let mut now = SimTime::ZERO;
@@ -221,6 +235,7 @@ pub fn drive(mut controller: Controller, inputs: &[(f64, &str, f64)]) -> Told {
     told.joints.push(joints);
     told.trace.push(flange(&controller, &joints));
     told.state = controller.state().clone();
+    told.files.clone_from(controller.files());
     told
 }
 

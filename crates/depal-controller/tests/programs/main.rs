@@ -1,6 +1,9 @@
 //! RAPID programs on the cabinet with an arm: what the arm and the outputs do, and when.
 
+mod dialogs;
+mod files;
 mod harness;
+mod information;
 mod moves;
 mod path;
 mod search;

@@ -1,6 +1,10 @@
 //! Instructions and functions of the controller, by theme. Each is a heading in RAPID and its code.
 
+mod analog;
+mod dialogs;
+mod files;
 mod geometry;
+mod information;
 mod interrupts;
 mod io;
 mod maths;
