@@ -56,7 +56,7 @@ fn ten_mistakes_give_ten_messages() {
     do_pump := 1;
     IF di_part THEN ENDIF
     RETRY;
-    MoveC p1, p2;
+    MoveCSync p1, p2;
     count := StrLn(name);
     WaitTme 1;
     count := [1,2];

@@ -5,4 +5,5 @@ mod effects;
 mod fake_system;
 mod interrupts;
 mod language;
+mod modules;
 mod robustness;
