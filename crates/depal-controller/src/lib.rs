@@ -33,6 +33,7 @@
 //! the servo follows exactly; a wait inside a task ends with the cycle, so it is 4 ms coarse.
 
 mod cabinet;
+mod configuration;
 mod controller;
 mod eio;
 mod error;
@@ -44,16 +45,21 @@ mod motion_queue;
 mod network;
 mod path_events;
 mod signals;
+mod sio;
 mod sockets;
+mod sys;
 mod system;
 
 pub use cabinet::{Cabinet, ControllerSpec, FreeSpec};
 pub use controller::Controller;
-pub use eio::{EioConfiguration, EioError};
+pub use configuration::{ConfigurationError, configuration_domain};
+pub use eio::EioConfiguration;
 pub use error::ControllerError;
 pub use event::{ControllerEvent, ControllerState};
 pub use network::{Network, NoNetwork};
 pub use signals::{CrossConnection, Signal, SignalKind, SignalSpec};
+pub use sio::SioConfiguration;
+pub use sys::{EventRoutine, SysConfiguration, TaskModule, TaskSpec};
 
 #[cfg(test)]
 mod tests;

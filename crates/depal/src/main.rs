@@ -18,8 +18,10 @@ mod render;
 mod replay;
 mod replay_setup;
 mod run;
+mod sandbox;
 mod serve;
 mod serve_log;
+mod task_folder;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -44,7 +46,8 @@ enum Command {
     /// Exit codes: 0 accepted; 1 a threshold of [accept] was missed; 2 bad input; 3 the machine does not
     /// let us (disk, permissions); 4 the scene's time limit passed.
     Run(RunArgs),
-    /// Check scenes (.toml), arms (.urdf) and robot programs (.mod, .sys, .prg) without running them.
+    /// Check scenes (.toml), arms (.urdf), robot programs (.mod, .sys, .prg, .pgf), configurations (.cfg) and folders
+    /// of a task without running them.
     Check {
         /// Files to check. RAPID modules given together are one task.
         #[arg(required = true, value_name = "FILE")]

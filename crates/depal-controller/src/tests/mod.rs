@@ -14,6 +14,7 @@ use crate::{
 };
 
 mod cabinet;
+mod configuration;
 mod motion;
 mod sockets;
 
