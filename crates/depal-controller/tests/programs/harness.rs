@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use depal_arm::Arm;
 use depal_controller::{
-    Controller, ControllerEvent, ControllerSpec, ControllerState, NoNetwork, SignalKind, SignalSpec,
+    Controller, ControllerEvent, ControllerSpec, ControllerState, Network, NoNetwork, SignalKind, SignalSpec,
 };
 use depal_frames::{JointPositions, Vector};
 use depal_rapid::SignalDefinition;
@@ -183,7 +183,17 @@ pub fn run_in(
     drive(controller, inputs)
 }
 
-pub fn drive(mut controller: Controller, inputs: &[(f64, &str, f64)]) -> Told {
+pub fn drive(controller: Controller, inputs: &[(f64, &str, f64)]) -> Told {
+    drive_on(controller, inputs, &mut NoNetwork, 60.0)
+}
+
+/// As `drive`, with something behind the sockets, for so many simulated seconds.
+pub fn drive_on(
+    mut controller: Controller,
+    inputs: &[(f64, &str, f64)],
+    network: &mut dyn Network,
+    limit: f64,
+) -> Told {
     let flange = |controller: &Controller, joints: &JointPositions| match controller.arm() {
         Some(arm) => arm.base_from_flange(joints).translation.vector,
         None => Vector::new(joints[0], joints[1], joints[2]),
@@ -199,7 +209,7 @@ pub fn drive(mut controller: Controller, inputs: &[(f64, &str, f64)]) -> Told {
     };
     let mut inputs = inputs.to_vec();
     let mut now = SimTime::ZERO;
-    while now.as_secs_f64() < 60.0 {
+    while now.as_secs_f64() < limit {
         let joints = controller.commanded_joints();
         told.joints.push(joints);
         told.trace.push(flange(&controller, &joints));
@@ -210,7 +220,7 @@ pub fn drive(mut controller: Controller, inputs: &[(f64, &str, f64)]) -> Told {
             }
             !due
         });
-        controller.tick(now, &mut NoNetwork);
+        controller.tick(now, network);
         now += TICK;
         while let Some(event) = controller.poll_event() {
             if let ControllerEvent::Log {

@@ -6,6 +6,8 @@ mod harness;
 mod information;
 mod moves;
 mod path;
+mod samples;
 mod search;
 mod settings;
 mod triggers;
+mod vision_peer;
