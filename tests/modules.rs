@@ -50,3 +50,16 @@ fn the_demo_runs_with_the_module_of_2_x() {
     overrides.push(("robot.program", program.to_owned()));
     assert_eq!(delivered(&overrides), 8);
 }
+
+/// The scene that `init` writes beside the samples.
+#[test]
+fn the_sample_scene_delivers_its_cartons() {
+    let scene = root().join("assets/rapid/samples/sample.toml");
+    let module = ("robot.module".to_owned(), "\"../MM_Module.mod\"".to_owned());
+    let scene = Scene::load_file(&scene.to_string_lossy(), &[module], None)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let finished = run_scene(&scene);
+    let score = &finished.outcome.score;
+    let delivered = score.count(|fate| fate == CartonFate::Delivered);
+    assert_eq!(delivered, 3, "{:?}", score.failures_by_reason());
+}

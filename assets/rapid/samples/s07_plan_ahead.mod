@@ -42,6 +42,7 @@ MODULE SamplePlanAhead
         ! corner at home lets the arm go on without a stop if the path is there in time.
         IF nRounds<nMaxRounds MM_Start_Viz 2,jHome;
         WaitDI diVacuumOk,0\MaxTime:=2;
+        MoveL RelTool(CRobT(\Tool:=tGripper\WObj:=wobj0),0,0,-150),v1000,z10,tGripper\WObj:=wobj0;
         MoveAbsJ jHome\NoEOffs,v1000,z50,tGripper\WObj:=wobj0;
         TPWrite "Round "\Num:=nRounds;
       CASE 1002,1003,2037,2038:

@@ -49,6 +49,7 @@ mod sio;
 mod sockets;
 mod sys;
 mod system;
+mod transcript;
 
 pub use cabinet::{Cabinet, ControllerSpec, FreeSpec};
 pub use controller::Controller;
@@ -58,6 +59,9 @@ pub use error::ControllerError;
 pub use event::{ControllerEvent, ControllerState};
 pub use network::{Network, NoNetwork};
 pub use signals::{CrossConnection, Signal, SignalKind, SignalSpec};
+pub use transcript::{
+    Exchange, RecordingNetwork, ReplayNetwork, Transcript, TranscriptError, TranscriptLine,
+};
 pub use sio::SioConfiguration;
 pub use sys::{EventRoutine, SysConfiguration, TaskModule, TaskSpec};
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use depal_arm::Arm;
 use depal_controller::{
-    Controller, ControllerSpec, ControllerState, EioConfiguration, SignalKind, SignalSpec,
+    Controller, ControllerSpec, ControllerState, SignalKind, SignalSpec,
 };
 use depal_frames::JointPositions;
 use depal_net::robot_sockets::{HostPort, RobotSockets};

@@ -9,6 +9,7 @@ mod exec;
 mod exec_output;
 mod failure;
 mod image_file;
+mod init;
 mod kinematics;
 mod output;
 mod overlay;
@@ -64,6 +65,8 @@ enum Command {
     /// stdout has the lines of TPWrite, nothing else. Exit codes: 0 the program ended, stopped, or --max-sim-s
     /// was reached; 1 it stopped on a run-time error; 2 bad input, nothing ran.
     Exec(exec::ExecArgs),
+    /// Write sample programs, the interface modules and a scene that runs a sample.
+    Init(init::InitArgs),
     /// Take one picture with a scene's camera, cartons at rest, and write what it saw and what was there.
     ///
     /// Writes depth.png (16 bit, 0.1 mm, 0 = invalid), intensity.png, intrinsics.json, truth.json and
@@ -174,6 +177,7 @@ fn main() -> ExitCode {
             syntax_only,
         }) => check::check(&files, json, syntax_only),
         Some(Command::Exec(args)) => exec::exec(&args),
+        Some(Command::Init(args)) => init::init(&args),
         Some(Command::Render(args)) => render::render(&args),
         Some(Command::Detect(args)) => detect::detect(&args),
         Some(Command::Plan { problem, json }) => plan::plan(&problem, json),

@@ -9,5 +9,6 @@ mod path;
 mod samples;
 mod search;
 mod settings;
+mod transcripts;
 mod triggers;
 mod vision_peer;
