@@ -27,6 +27,11 @@ const LAYER: [(&str, &str); 3] = [
     ("accept.delivered_min", "8"),
 ];
 
+/// A path from the root of the workspace, as a TOML string.
+fn quoted(path: &str) -> String {
+    format!("'{}'", root().join(path).display())
+}
+
 fn layer() -> Vec<(&'static str, String)> {
     LAYER.map(|(key, value)| (key, value.to_owned())).to_vec()
 }
@@ -35,8 +40,8 @@ fn layer() -> Vec<(&'static str, String)> {
 #[test]
 fn the_demo_runs_with_the_module_of_1_7() {
     let mut overrides = layer();
-    let module = "\"../assets/rapid/MM_Module_1_7.mod\"";
-    overrides.push(("robot.module", module.to_owned()));
+    let module = quoted("assets/rapid/MM_Module_1_7.mod");
+    overrides.push(("robot.module", module));
     assert_eq!(delivered(&overrides), 8);
 }
 
@@ -44,10 +49,10 @@ fn the_demo_runs_with_the_module_of_1_7() {
 #[test]
 fn the_demo_runs_with_the_module_of_2_x() {
     let mut overrides = layer();
-    let module = "\"../assets/rapid/MM_Module_2_x.mod\"";
-    overrides.push(("robot.module", module.to_owned()));
-    let program = "\"../tests/programs/demo_2_x.mod\"";
-    overrides.push(("robot.program", program.to_owned()));
+    let module = quoted("assets/rapid/MM_Module_2_x.mod");
+    overrides.push(("robot.module", module));
+    let program = quoted("tests/programs/demo_2_x.mod");
+    overrides.push(("robot.program", program));
     assert_eq!(delivered(&overrides), 8);
 }
 
@@ -55,7 +60,10 @@ fn the_demo_runs_with_the_module_of_2_x() {
 #[test]
 fn the_sample_scene_delivers_its_cartons() {
     let scene = root().join("assets/rapid/samples/sample.toml");
-    let module = ("robot.module".to_owned(), "\"../MM_Module.mod\"".to_owned());
+    let module = (
+        "robot.module".to_owned(),
+        quoted("assets/rapid/MM_Module.mod"),
+    );
     let scene = Scene::load_file(&scene.to_string_lossy(), &[module], None)
         .unwrap_or_else(|error| panic!("{error}"));
     let finished = run_scene(&scene);

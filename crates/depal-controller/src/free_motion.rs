@@ -206,7 +206,8 @@ impl FreeMotion {
 
     pub fn is_done(&self, now: SimTime, id: MoveId) -> bool {
         let now = self.clock(now);
-        self.open.iter().all(|m| m.id != id || m.end <= now) && self.aside().all(|aside| aside != id)
+        self.open.iter().all(|m| m.id != id || m.end <= now)
+            && self.aside().all(|aside| aside != id)
     }
 
     pub fn is_standing(&self, now: SimTime) -> bool {

@@ -52,18 +52,18 @@ mod system;
 mod transcript;
 
 pub use cabinet::{Cabinet, ControllerSpec, FreeSpec};
-pub use controller::Controller;
 pub use configuration::{ConfigurationError, configuration_domain};
+pub use controller::Controller;
 pub use eio::EioConfiguration;
 pub use error::ControllerError;
 pub use event::{ControllerEvent, ControllerState};
 pub use network::{Network, NoNetwork};
 pub use signals::{CrossConnection, Signal, SignalKind, SignalSpec};
+pub use sio::SioConfiguration;
+pub use sys::{EventRoutine, SysConfiguration, TaskModule, TaskSpec};
 pub use transcript::{
     Exchange, RecordingNetwork, ReplayNetwork, Transcript, TranscriptError, TranscriptLine,
 };
-pub use sio::SioConfiguration;
-pub use sys::{EventRoutine, SysConfiguration, TaskModule, TaskSpec};
 
 #[cfg(test)]
 mod tests;

@@ -108,7 +108,9 @@ impl System for CabinetSystem<'_> {
         let cabinet = &mut *self.cabinet;
         if !cabinet.motion.is_resting(cabinet.cursor) {
             return Err(Fault::NotThere {
-                message: "a path that may be cleared while the arm moves; stop it with StopMove first".into(),
+                message:
+                    "a path that may be cleared while the arm moves; stop it with StopMove first"
+                        .into(),
             });
         }
         let reason = "the program clears the path";

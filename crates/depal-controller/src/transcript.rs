@@ -72,7 +72,12 @@ impl Transcript {
             let seconds = line.at.as_nanos() / 1_000_000_000;
             let nanos = line.at.as_nanos() % 1_000_000_000;
             let _ = write!(text, "{seconds}.{nanos:09} {} ", line.connection);
-            let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();
+            let hex = |bytes: &[u8]| {
+                bytes.iter().fold(String::new(), |mut hex, byte| {
+                    let _ = write!(hex, "{byte:02x}");
+                    hex
+                })
+            };
             let _ = match &line.exchange {
                 Exchange::Connected(host, port) => writeln!(text, "connected {host}:{port}"),
                 Exchange::Refused(host, port) => writeln!(text, "refused {host}:{port}"),
@@ -110,7 +115,9 @@ fn parse_line(line: &str) -> Result<TranscriptLine, String> {
     let mut words = line.split_whitespace();
     let mut next = |what: &str| words.next().ok_or_else(|| format!("the {what} is missing"));
     let time = next("time")?;
-    let seconds: f64 = time.parse().map_err(|_| format!("{time:?} is no time in seconds"))?;
+    let seconds: f64 = time
+        .parse()
+        .map_err(|_| format!("{time:?} is no time in seconds"))?;
     if !(0.0..=1e9).contains(&seconds) {
         return Err(format!("{time} s is no simulated time"));
     }
@@ -150,7 +157,7 @@ fn parse_line(line: &str) -> Result<TranscriptLine, String> {
 
 fn bytes(hex: &str) -> Result<Vec<u8>, String> {
     let digits = hex.as_bytes();
-    if digits.len() % 2 != 0 || !hex.is_ascii() {
+    if !digits.len().is_multiple_of(2) || !hex.is_ascii() {
         return Err(format!("{hex:?} are no bytes in hexadecimal"));
     }
     digits
@@ -225,7 +232,13 @@ impl<N: Network> Network for RecordingNetwork<N> {
         answer
     }
 
-    fn send(&mut self, now: SimTime, controller: &str, socket: SocketId, bytes: &[u8]) -> Result<(), Fault> {
+    fn send(
+        &mut self,
+        now: SimTime,
+        controller: &str,
+        socket: SocketId,
+        bytes: &[u8],
+    ) -> Result<(), Fault> {
         let answer = self.inner.send(now, controller, socket, bytes);
         let exchange = match &answer {
             Ok(()) => Exchange::Sent(bytes.to_vec()),
@@ -235,7 +248,13 @@ impl<N: Network> Network for RecordingNetwork<N> {
         answer
     }
 
-    fn receive(&mut self, now: SimTime, controller: &str, socket: SocketId, limit: usize) -> Poll<Received> {
+    fn receive(
+        &mut self,
+        now: SimTime,
+        controller: &str,
+        socket: SocketId,
+        limit: usize,
+    ) -> Poll<Received> {
         let answer = self.inner.receive(now, controller, socket, limit);
         match &answer {
             Poll::Pending => {}
@@ -322,7 +341,10 @@ impl ReplayNetwork {
 
     fn differ(&mut self, now: SimTime, connection: u32, what: &str) {
         self.difference.get_or_insert_with(|| {
-            format!("{:.3} s, connection {connection}: {what}", now.as_secs_f64())
+            format!(
+                "{:.3} s, connection {connection}: {what}",
+                now.as_secs_f64()
+            )
         });
     }
 }
@@ -347,7 +369,11 @@ impl Network for ReplayNetwork {
             Some((at, Exchange::Connected(host, known))) => (at, (host, known)),
             Some((_, Exchange::Refused(..))) => return refused,
             _ => {
-                self.differ(now, connection, "the transcript does not begin with a connection");
+                self.differ(
+                    now,
+                    connection,
+                    "the transcript does not begin with a connection",
+                );
                 return refused;
             }
         };

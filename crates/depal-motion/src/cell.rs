@@ -154,7 +154,12 @@ impl Cell {
         } else {
             2.0 * way / (rate + root)
         };
-        start + if t.is_finite() { t.min(duration) } else { duration }
+        start
+            + if t.is_finite() {
+                t.min(duration)
+            } else {
+                duration
+            }
     }
 
     /// Parameter at a time.

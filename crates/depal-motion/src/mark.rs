@@ -57,9 +57,9 @@ impl Trajectory {
             let until = self
                 .cells
                 .partition_point(|cell| cell.segment <= mark.segment);
-            return until.checked_sub(1).map_or(MarkTime::Passed, |i| {
-                MarkTime::At(self.cells[i].law.end())
-            });
+            return until
+                .checked_sub(1)
+                .map_or(MarkTime::Passed, |i| MarkTime::At(self.cells[i].law.end()));
         };
         let own = |index: usize| Arc::ptr_eq(&self.cells[index].curve, curve);
         let first = (0..self.cells.len()).find(|i| own(*i));

@@ -64,13 +64,15 @@ impl Shape {
                         let base_from_flange = base_from_tcp * tool.inverse();
                         arm.inverse_nearest(&base_from_flange, start)
                             .filter(|found| {
-                                segment.quarters.is_none_or(|q| off_quarters(found, q).is_none())
+                                segment
+                                    .quarters
+                                    .is_none_or(|q| off_quarters(found, q).is_none())
                             })
                             .map_or_else(
                                 || in_quarters(arm, start, &base_from_flange, segment),
                                 Ok,
                             )?
-                        }
+                    }
                 };
                 check_joints(arm, &end)?;
                 let delta = combine(&[1.0, -1.0], &[&end, start]);

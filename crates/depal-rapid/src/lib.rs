@@ -42,6 +42,6 @@ mod syntax;
 pub use builtins::built_in_names;
 pub use compile::types::SignalKind;
 pub use loading::{
-    Loaded, SignalDefinition, check, check_syntax, check_with_signals, decode, load, load_with_auto_signals,
-    program_list,
+    Loaded, SignalDefinition, check, check_syntax, check_with_signals, decode, load,
+    load_with_auto_signals, program_list,
 };

@@ -99,7 +99,11 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
         });
     }
     // The order of the arguments; what came out of folders stands behind.
-    let place = |path: &str| files.iter().position(|given| given.to_string_lossy() == path);
+    let place = |path: &str| {
+        files
+            .iter()
+            .position(|given| given.to_string_lossy() == path)
+    };
     let signals = controller.has_io.then_some(&controller.io);
     check_modules(&modules, &mut verdicts, signals, syntax_only);
     verdicts.sort_by_key(|verdict| place(&verdict.path).unwrap_or(usize::MAX));

@@ -7,16 +7,15 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use depal_arm::Arm;
-use depal_controller::{
-    Controller, ControllerSpec, ControllerState, SignalKind, SignalSpec,
-};
+use depal_controller::{Controller, ControllerSpec, ControllerState, SignalKind, SignalSpec};
 use depal_frames::JointPositions;
-use depal_net::robot_sockets::{HostPort, RobotSockets};
+use depal_net::robot_sockets::HostPort;
 use depal_rapid::SignalDefinition;
 use depal_time::{SimDuration, SimTime, TICK};
 use depal_vm::{Machine, Program, SourceFile};
 
 use crate::diagnostics::draw;
+use crate::exec_network::ProgramNetwork;
 use crate::exec_output::{End, Output, Place};
 use crate::failure::Failure;
 use crate::sandbox::Sandbox;
@@ -62,12 +61,19 @@ pub struct ExecArgs {
     /// Without it files live in memory only, and a backup's HOME folder is read but never written.
     #[arg(long, value_name = "DIR")]
     home: Option<PathBuf>,
+    /// Write what goes over the program's client sockets to this file.
+    #[arg(long, value_name = "FILE", conflicts_with = "replay_sockets")]
+    pub(crate) record_sockets: Option<PathBuf>,
+    /// Play the other side of a file that --record-sockets wrote, without a network. A program that sends something
+    /// else than then finds the connection closed, and the difference is told at the end.
+    #[arg(long, value_name = "FILE", conflicts_with = "connect")]
+    pub(crate) replay_sockets: Option<PathBuf>,
     /// Number of the task whose modules are taken from a controller backup (RAPID/TASKn).
     #[arg(long, value_name = "N", default_value_t = 1)]
     task: usize,
     /// Send connections to the first address to the second. May be given many times.
     #[arg(long, value_name = "HOST:PORT=HOST:PORT", value_parser = route)]
-    connect: Vec<(HostPort, HostPort)>,
+    pub(crate) connect: Vec<(HostPort, HostPort)>,
     /// Set an input at a simulated time. May be given many times.
     #[arg(long, value_name = "NAME=VALUE@SECONDS", value_parser = input_change)]
     set_di: Vec<InputChange>,
@@ -306,7 +312,7 @@ fn run(
     mut output: Output,
     begun: Instant,
 ) -> Result<(), Failure> {
-    let mut sockets = RobotSockets::new(args.connect.clone());
+    let mut network = ProgramNetwork::open(args)?;
     let limit = args
         .max_sim_s
         .map(|s| SimTime::ZERO + SimDuration::from_secs_f64(s));
@@ -319,7 +325,7 @@ fn run(
                 .set_input(&change.name, change.value)
                 .map_err(|fault| Failure::Input(format!("--set-di {}: {fault:?}", change.name)))?;
         }
-        controller.tick(now, &mut sockets);
+        controller.tick(now, network.as_network());
         let tick_begin = now;
         now += TICK;
         while let Some(event) = controller.poll_event() {
@@ -340,11 +346,10 @@ fn run(
         if controller.waits_for_ever() && changes.peek().is_none() {
             break End::Idle;
         }
-        if sockets.is_waiting() {
-            let ahead = now.saturating_since(tick_begin);
-            sockets.wait(Duration::from_nanos(ahead.as_nanos()));
-        }
+        let ahead = now.saturating_since(tick_begin);
+        network.wait(Duration::from_nanos(ahead.as_nanos()));
     };
+    network.close(args)?;
     sandbox.write(controller.files())?;
     output.finish(&end, now, begun.elapsed())?;
     match end {

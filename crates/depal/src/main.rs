@@ -6,6 +6,7 @@ mod check;
 mod detect;
 mod diagnostics;
 mod exec;
+mod exec_network;
 mod exec_output;
 mod failure;
 mod image_file;

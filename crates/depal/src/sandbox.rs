@@ -60,11 +60,17 @@ impl Sandbox {
 
     fn gather(&mut self, folder: &Path, below: &str, depth: usize) -> Result<(), Failure> {
         let failed = |error: std::io::Error| {
-            Failure::Input(format!("cannot read the folder {}: {error}", folder.display()))
+            Failure::Input(format!(
+                "cannot read the folder {}: {error}",
+                folder.display()
+            ))
         };
         for entry in std::fs::read_dir(folder).map_err(failed)? {
             let path = entry.map_err(failed)?.path();
-            let Some(name) = path.file_name().map(|name| name.to_string_lossy().into_owned()) else {
+            let Some(name) = path
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned())
+            else {
                 continue;
             };
             let name = format!("{below}{name}");

@@ -108,10 +108,12 @@ impl TaskFiles {
         gather(folder, 0, &mut files)?;
         let below = |path: &Path, names: &[&str]| {
             let rest = path.strip_prefix(folder).unwrap_or(path);
-            rest.components()
-                .zip(names)
-                .all(|(found, name)| found.as_os_str().to_string_lossy().eq_ignore_ascii_case(name))
-                && rest.components().count() > names.len()
+            rest.components().zip(names).all(|(found, name)| {
+                found
+                    .as_os_str()
+                    .to_string_lossy()
+                    .eq_ignore_ascii_case(name)
+            }) && rest.components().count() > names.len()
         };
         let is_backup = files.iter().any(|path| below(path, &["RAPID"]));
         let own = format!("TASK{task}");
@@ -126,7 +128,8 @@ impl TaskFiles {
                 }
             }
             files.retain(|path| {
-                below(path, &["RAPID", &own]) || (extension(path) == "cfg" && !below(path, &["HOME"]))
+                below(path, &["RAPID", &own])
+                    || (extension(path) == "cfg" && !below(path, &["HOME"]))
             });
         }
         let lists: Vec<_> = files
@@ -168,7 +171,10 @@ impl TaskFiles {
 /// All files below a folder, by name.
 fn gather(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) -> Result<(), Failure> {
     let failed = |error: std::io::Error| {
-        Failure::Input(format!("cannot read the folder {}: {error}", folder.display()))
+        Failure::Input(format!(
+            "cannot read the folder {}: {error}",
+            folder.display()
+        ))
     };
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
@@ -210,7 +216,9 @@ pub fn read_configuration(
 ) -> Result<String, Vec<ConfigurationError>> {
     let domain = configuration_domain(text).unwrap_or_else(|| {
         // Without a head the name tells.
-        let name = ["EIO", "SYS", "SIO"].into_iter().find(|name| named(path, &format!("{name}.cfg")));
+        let name = ["EIO", "SYS", "SIO"]
+            .into_iter()
+            .find(|name| named(path, &format!("{name}.cfg")));
         name.unwrap_or("EIO").to_owned()
     });
     match domain.as_str() {
@@ -241,7 +249,9 @@ pub fn read_configuration(
             let read = SioConfiguration::parse(text)?;
             Ok(format!("good: {} channels", read.channels.len()))
         }
-        other => Ok(format!("good: the configuration of {other} is not needed here")),
+        other => Ok(format!(
+            "good: the configuration of {other} is not needed here"
+        )),
     }
 }
 

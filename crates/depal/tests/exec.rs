@@ -131,9 +131,24 @@ fn a_real_server_is_reached_through_a_route() {
     let text = "MODULE m\n  VAR socketdev s;\n  VAR string got;\n  PROC main()\n    SocketCreate s;\n    SocketConnect s, \"192.168.125.5\", 50000;\n    SocketSend s \\Str:=\"ping\";\n    SocketReceive s \\Str:=got \\ReadNoOfBytes:=4;\n    TPWrite got;\n    SocketReceive s \\Str:=got \\Time:=1;\n    ERROR\n    IF ERRNO = ERR_SOCK_CLOSED TPWrite \"closed\";\n  ENDPROC\nENDMODULE\n";
     let folder = folder("socket", &[("m.mod", text)]);
     let route = format!("192.168.125.5:50000=127.0.0.1:{port}");
-    let output = depal(&folder, &["exec", "m.mod", "--connect", &route]);
+    let arguments = [
+        "exec",
+        "m.mod",
+        "--connect",
+        &route,
+        "--record-sockets",
+        "sockets.txt",
+    ];
+    let output = depal(&folder, &arguments);
     assert_eq!(&server.join().expect("served"), b"ping");
     assert_eq!(stdout(&output), "pong\nclosed\n", "{}", stderr(&output));
+    // The same without the server, from what was written down.
+    let output = depal(
+        &folder,
+        &["exec", "m.mod", "--replay-sockets", "sockets.txt"],
+    );
+    assert_eq!(stdout(&output), "pong\nclosed\n", "{}", stderr(&output));
+    assert!(stderr(&output).is_empty(), "{}", stderr(&output));
 }
 
 #[test]
@@ -199,7 +214,9 @@ fn a_folder_is_a_task() {
         .iter()
         .map(|file| file["path"].as_str().expect("a path").replace("./", ""))
         .collect();
-    for name in ["cell.pgf", "main.mod", "part.mod", "user.sys", "EIO.cfg", "SYS.cfg", "MOC.cfg"] {
+    for name in [
+        "cell.pgf", "main.mod", "part.mod", "user.sys", "EIO.cfg", "SYS.cfg", "MOC.cfg",
+    ] {
         assert!(paths.iter().any(|path| path == name), "{name} in {paths:?}");
     }
     assert!(!paths.iter().any(|path| path == "unlisted.mod"));
@@ -207,7 +224,11 @@ fn a_folder_is_a_task() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert_eq!(stdout(&output), "event\nhello\n");
     // A signal that the folder's EIO.cfg does not define is an error of the check, with the mend.
-    std::fs::write(folder.join("part.mod"), part.replace("TPWrite greeting", "SetDO do_y, 1")).expect("written");
+    std::fs::write(
+        folder.join("part.mod"),
+        part.replace("TPWrite greeting", "SetDO do_y, 1"),
+    )
+    .expect("written");
     let checked = depal(&folder, &["check", "."]);
     assert_eq!(checked.status.code(), Some(2));
     assert!(stderr(&checked).contains("do_x"), "{}", stderr(&checked));
@@ -225,7 +246,10 @@ fn a_backup_is_a_task() {
     let folder = folder("backup", &[]);
     for (path, text) in [
         ("RAPID/TASK1/PROGMOD/m.mod", main),
-        ("RAPID/TASK2/PROGMOD/other.mod", "MODULE other\nPROC main()\nENDPROC\nENDMODULE\n"),
+        (
+            "RAPID/TASK2/PROGMOD/other.mod",
+            "MODULE other\nPROC main()\nENDPROC\nENDMODULE\n",
+        ),
         ("HOME/in.txt", "from home\n"),
         ("HOME/stray.mod", "no module"),
         ("SYSPAR/EIO.cfg", "EIO:CFG_1.0:6:1::\n"),
@@ -249,7 +273,10 @@ fn files_live_below_home() {
     std::fs::write(home.join("old.txt"), "old").expect("written");
     let output = depal(&folder, &["exec", "m.mod", "--home", "files"]);
     assert_eq!(stdout(&output), "refused\n", "{}", stderr(&output));
-    assert_eq!(std::fs::read_to_string(home.join("out/log.txt")).expect("written"), "line\n");
+    assert_eq!(
+        std::fs::read_to_string(home.join("out/log.txt")).expect("written"),
+        "line\n"
+    );
     assert!(!home.join("old.txt").exists() && !folder.join("escaped.txt").exists());
 }
 
@@ -257,7 +284,10 @@ fn files_live_below_home() {
 #[test]
 fn questions_are_answered_from_a_file_or_wait() {
     let text = main_of("VAR num n;\nTPReadNum n, \"how many\";\nTPWrite \"n=\"\\Num:=n;");
-    let folder = folder("answers", &[("m.mod", &text), ("answers.txt", "# how many\n7\n")]);
+    let folder = folder(
+        "answers",
+        &[("m.mod", &text), ("answers.txt", "# how many\n7\n")],
+    );
     let output = depal(&folder, &["exec", "m.mod", "--json"]);
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(json(&output)["end"], "idle");
@@ -271,9 +301,17 @@ fn ends_and_entries() {
     let text = "MODULE m\n  PROC main()\n    go;\n  ENDPROC\n  PROC by_exit()\n    EXIT;\n  ENDPROC\n  PROC by_stop()\n    Stop;\n  ENDPROC\n  PROC by_cycle()\n    ExitCycle;\n  ENDPROC\nENDMODULE\n";
     let other = "MODULE n\n  PROC go()\n    TPWrite \"went\";\n  ENDPROC\nENDMODULE\n";
     let folder = folder("ends", &[("m.mod", text), ("n.mod", other)]);
-    for (entry, end) in [("main", "ended"), ("by_exit", "stopped"), ("by_stop", "stopped"), ("by_cycle", "stopped")] {
+    for (entry, end) in [
+        ("main", "ended"),
+        ("by_exit", "stopped"),
+        ("by_stop", "stopped"),
+        ("by_cycle", "stopped"),
+    ] {
         for files in [["m.mod", "n.mod"], ["n.mod", "m.mod"]] {
-            let output = depal(&folder, &["exec", files[0], files[1], "--entry", entry, "--json"]);
+            let output = depal(
+                &folder,
+                &["exec", files[0], files[1], "--entry", entry, "--json"],
+            );
             assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
             assert_eq!(json(&output)["end"], end, "{entry}");
         }
@@ -287,7 +325,9 @@ fn ends_and_entries() {
 fn a_receive_time_out_is_a_run_time_error() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
     let port = listener.local_addr().expect("bound").port();
-    let text = format!("MODULE m\n  VAR socketdev s;\n  VAR string got;\n  PROC main()\n    SocketCreate s;\n    SocketConnect s, \"127.0.0.1\", {port};\n    SocketReceive s \\Str:=got \\Time:=0.5;\n  ENDPROC\nENDMODULE\n");
+    let text = format!(
+        "MODULE m\n  VAR socketdev s;\n  VAR string got;\n  PROC main()\n    SocketCreate s;\n    SocketConnect s, \"127.0.0.1\", {port};\n    SocketReceive s \\Str:=got \\Time:=0.5;\n  ENDPROC\nENDMODULE\n"
+    );
     let folder = folder("timeout", &[("m.mod", &text)]);
     let output = depal(&folder, &["exec", "m.mod", "--json"]);
     assert_eq!(output.status.code(), Some(1));
@@ -302,25 +342,52 @@ fn a_receive_time_out_is_a_run_time_error() {
 /// The flange of wobj0 and tool0 is the pose of the link tool0 in the root link, in mm.
 #[test]
 fn a_robot_reads_its_flange() {
-    let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../../urdf/abb_irb6700_150_320.urdf");
-    let text = main_of("MoveAbsJ [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v1000, fine, tool0;\nTPWrite ValToStr(CRobT(\\Tool:=tool0\\WObj:=wobj0).trans);");
+    let urdf = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../urdf/abb_irb6700_150_320.urdf"
+    );
+    let text = main_of(
+        "MoveAbsJ [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v1000, fine, tool0;\nTPWrite ValToStr(CRobT(\\Tool:=tool0\\WObj:=wobj0).trans);",
+    );
     let text = text.replace("TPWrite ValToStr(CRobT(\\Tool:=tool0\\WObj:=wobj0).trans)", "p := CRobT(\\Tool:=tool0\\WObj:=wobj0);\nTPWrite NumToStr(p.trans.x,0)+\" \"+NumToStr(p.trans.y,0)+\" \"+NumToStr(p.trans.z,0)");
     let text = text.replace("MODULE m\n", "MODULE m\n  VAR robtarget p;\n");
     let folder = folder("flange", &[("m.mod", &text)]);
     let output = depal(&folder, &["exec", "m.mod", "--robot", urdf]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let found: Vec<f64> = stdout(&output).split_whitespace().map(|n| n.parse().expect("a number")).collect();
-    let kinematics = depal(&folder, &["kinematics", urdf, "--samples", "1", "--seed", "1", "--json"]);
+    let found: Vec<f64> = stdout(&output)
+        .split_whitespace()
+        .map(|n| n.parse().expect("a number"))
+        .collect();
+    let kinematics = depal(
+        &folder,
+        &[
+            "kinematics",
+            urdf,
+            "--samples",
+            "1",
+            "--seed",
+            "1",
+            "--json",
+        ],
+    );
     assert_eq!(kinematics.status.code(), Some(0));
     // Arm straight up, forearm level: in front of the base, above two metres.
-    assert!(found[0] > 1500.0 && found[1].abs() < 1.0 && found[2] > 1800.0, "{found:?}");
+    assert!(
+        found[0] > 1500.0 && found[1].abs() < 1.0 && found[2] > 1800.0,
+        "{found:?}"
+    );
 }
 
 /// 1,500 moves without physics: at least 500 times as fast as the robot would be, with an arm and without.
 #[test]
 fn many_moves_run_much_faster_than_the_robot() {
-    let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../../urdf/abb_irb6700_150_320.urdf");
-    let text = main_of("VAR robtarget p;\nMoveAbsJ [[0,0,0,0,80,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v1000, fine, tool0;\np := CRobT(\\Tool:=tool0);\nFOR i FROM 1 TO 375 DO\nMoveL Offs(p,0,200,0), v500, z20, tool0;\nMoveL Offs(p,0,200,200), v500, z20, tool0;\nMoveJ Offs(p,0,-200,200), v500, z20, tool0;\nMoveL p, v500, fine, tool0;\nENDFOR");
+    let urdf = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../urdf/abb_irb6700_150_320.urdf"
+    );
+    let text = main_of(
+        "VAR robtarget p;\nMoveAbsJ [[0,0,0,0,80,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v1000, fine, tool0;\np := CRobT(\\Tool:=tool0);\nFOR i FROM 1 TO 375 DO\nMoveL Offs(p,0,200,0), v500, z20, tool0;\nMoveL Offs(p,0,200,200), v500, z20, tool0;\nMoveJ Offs(p,0,-200,200), v500, z20, tool0;\nMoveL p, v500, fine, tool0;\nENDFOR",
+    );
     let folder = folder("many", &[("m.mod", &text)]);
     for arm in [vec!["--no-kinematics"], vec!["--robot", urdf]] {
         let arguments = [vec!["exec", "m.mod", "--json"], arm.clone()].concat();
@@ -330,7 +397,11 @@ fn many_moves_run_much_faster_than_the_robot() {
         assert_eq!(document["moves"], 1501);
         let number = |key: &str| document[key].as_f64().expect("a number");
         let factor = number("sim_time_s") / number("wall_time_s");
-        eprintln!("{arm:?}: {:.1} s in {:.3} s, {factor:.0} x real time", number("sim_time_s"), number("wall_time_s"));
+        eprintln!(
+            "{arm:?}: {:.1} s in {:.3} s, {factor:.0} x real time",
+            number("sim_time_s"),
+            number("wall_time_s")
+        );
         // The promise is 500; a test build on a busy machine is given some room.
         assert!(factor > 100.0, "{arm:?}: {factor}");
     }
@@ -344,15 +415,31 @@ fn init_writes_samples_that_pass() {
     let _ = std::fs::remove_dir_all(&written);
     let output = depal(&folder, &["init", "--lang", "rapid", "cell"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    for sample in ["s01_vision_points", "s02_viz_path", "s03_do_list", "s04_branch_and_index", "s05_lite_commands", "s06_error_handling", "s07_plan_ahead"] {
+    for sample in [
+        "s01_vision_points",
+        "s02_viz_path",
+        "s03_do_list",
+        "s04_branch_and_index",
+        "s05_lite_commands",
+        "s06_error_handling",
+        "s07_plan_ahead",
+    ] {
         let name = format!("{sample}.mod");
         let output = depal(&written, &["check", "MM_Module.mod", "cell.mod", &name]);
-        assert_eq!(output.status.code(), Some(0), "{sample}: {}", stderr(&output));
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{sample}: {}",
+            stderr(&output)
+        );
     }
     let output = depal(&written, &["check", "sample.toml"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     // What is there is kept.
     std::fs::write(written.join("cell.mod"), "mine").expect("written");
     depal(&folder, &["init", "cell"]);
-    assert_eq!(std::fs::read_to_string(written.join("cell.mod")).expect("there"), "mine");
+    assert_eq!(
+        std::fs::read_to_string(written.join("cell.mod")).expect("there"),
+        "mine"
+    );
 }

@@ -106,7 +106,10 @@ fn mistakes_are_told_all_at_once_with_their_lines() {
 #[test]
 fn the_domain_stands_in_the_head() {
     assert_eq!(configuration_domain(EIO).as_deref(), Some("EIO"));
-    assert_eq!(configuration_domain("\n moc:CFG_1.0:6:0::").as_deref(), Some("MOC"));
+    assert_eq!(
+        configuration_domain("\n moc:CFG_1.0:6:0::").as_deref(),
+        Some("MOC")
+    );
     assert_eq!(configuration_domain("MODULE m"), None);
     assert_eq!(configuration_domain(""), None);
 }
@@ -141,11 +144,21 @@ fn tasks_and_event_routines_are_read() {
     let tasks: Vec<_> = read
         .tasks
         .iter()
-        .map(|t| (t.name.as_str(), t.entry.as_str(), t.moves_robot, t.is_background))
+        .map(|t| {
+            (
+                t.name.as_str(),
+                t.entry.as_str(),
+                t.moves_robot,
+                t.is_background,
+            )
+        })
         .collect();
     assert_eq!(
         tasks,
-        [("T_ROB1", "main", true, false), ("T_WATCH", "watch", false, true)]
+        [
+            ("T_ROB1", "main", true, false),
+            ("T_WATCH", "watch", false, true)
+        ]
     );
     assert_eq!(read.motion_task().map(|t| t.name.as_str()), Some("T_ROB1"));
     assert_eq!(read.modules.len(), 2);

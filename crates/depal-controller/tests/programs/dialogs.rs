@@ -18,12 +18,17 @@ fn questions_take_their_answers_in_order() {
         &[],
     )
     .finished();
-    assert_eq!(told.lines, ["no", "1", "3", "2", "Depal 7", "3.5", "6", "12", "1"]);
+    assert_eq!(
+        told.lines,
+        ["no", "1", "3", "2", "Depal 7", "3.5", "6", "12", "1"]
+    );
     let asked: Vec<_> = told
         .events
         .iter()
         .filter_map(|event| match event {
-            ControllerEvent::Answered { instruction, text, .. } => Some((*instruction, text.as_str())),
+            ControllerEvent::Answered {
+                instruction, text, ..
+            } => Some((*instruction, text.as_str())),
             _ => None,
         })
         .collect();
@@ -38,7 +43,11 @@ fn nobody_answers() {
     assert!(told.waits_for_ever);
     let told = answered("n := UIListView(items\\MaxTime:=2);", &[], &[]);
     assert_eq!(told.failure(), ("ERR_TP_MAXTIME".to_owned(), 2));
-    let told = answered("n := UIListView(items\\DIBreak:=di1);", &[], &[(1.0, "di1", 1.0)]);
+    let told = answered(
+        "n := UIListView(items\\DIBreak:=di1);",
+        &[],
+        &[(1.0, "di1", 1.0)],
+    );
     assert_eq!(told.failure(), ("ERR_TP_DIBREAK".to_owned(), 2));
     let told = answered(
         "pressed := UIMessageBox(\\Message:=\"?\"\\MaxTime:=2\\BreakFlag:=why);\nIF why=ERR_TP_MAXTIME TPWrite \"late\";",
@@ -57,7 +66,14 @@ fn answers_that_do_not_fit_are_told() {
         "d := UIDnumEntry(\\Message:=\"?\");",
     ] {
         let told = answered(statements, &["banana"], &[]);
-        assert_eq!(told.failure(), ("ERR_ARGVALERR".to_owned(), 2), "{statements}");
+        assert_eq!(
+            told.failure(),
+            ("ERR_ARGVALERR".to_owned(), 2),
+            "{statements}"
+        );
     }
-    assert_eq!(answered("n := UIListView(items);", &["4"], &[]).failure().1, 2);
+    assert_eq!(
+        answered("n := UIListView(items);", &["4"], &[]).failure().1,
+        2
+    );
 }

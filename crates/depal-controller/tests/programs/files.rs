@@ -18,7 +18,15 @@ fn what_is_written_is_read_again() {
     told.finished();
     assert_eq!(
         lines,
-        ["n=2.5", "no line end;pos [1,2,3]", "more", "EOF", "at the end", "n", "35"]
+        [
+            "n=2.5",
+            "no line end;pos [1,2,3]",
+            "more",
+            "EOF",
+            "at the end",
+            "n",
+            "35"
+        ]
     );
 }
 
@@ -28,7 +36,10 @@ fn numbers_bytes_and_raw_data() {
         "Open \"HOME:/data/in.txt\",f\\Read;\nTPWrite ReadStr(f\\RemoveCR);\nTPWrite NumToStr(ReadNum(f),1);\nTPWrite ReadStrBin(f,2);\nTPWrite NumToStr(ReadBin(f),0);\nn := ReadBin(f);\nIF ReadBin(f)=EOF_BIN TPWrite \"end\";\nIF ReadNum(f)=EOF_NUM TPWrite \"end\";\nClose f;\nOpen \"HOME:/b.bin\",f\\Write\\Bin;\nWriteBin f,bytes,3;\nWriteStrBin f,\"x\\0D\";\nPackRawBytes 258,raw,1\\IntX:=INT;\nWriteRawBytes f,raw;\nClose f;\nOpen \"HOME:/b.bin\",f\\Read\\Bin;\nClearRawBytes raw;\nReadRawBytes f,raw;\nTPWrite NumToStr(RawBytesLen(raw),0);\nClose f;",
     );
     let told = told.finished();
-    assert_eq!(lines, ["first line", "12.5", "la", "115", "end", "end", "7"]);
+    assert_eq!(
+        lines,
+        ["first line", "12.5", "la", "115", "end", "end", "7"]
+    );
     assert_eq!(told.files["b.bin"], [65, 66, 255, b'x', 13, 2, 1]);
 }
 
@@ -52,7 +63,8 @@ fn paths_stay_in_the_folder() {
     let (_, told) = lines("RemoveFile \"HOME:/../data/in.txt\";");
     assert_eq!(told.failure(), ("ERR_FILEACC".to_owned(), 2));
     // Inside, dots are fine.
-    let (read, told) = lines("Open \"HOME:/x/../data/./in.txt\",f\\Read;\nTPWrite ReadStr(f\\RemoveCR);");
+    let (read, told) =
+        lines("Open \"HOME:/x/../data/./in.txt\",f\\Read;\nTPWrite ReadStr(f\\RemoveCR);");
     told.finished();
     assert_eq!(read, ["first line"]);
 }
@@ -62,10 +74,19 @@ fn wrong_uses_are_errors_that_can_be_handled() {
     for (statements, name) in [
         ("Open \"HOME:/none.txt\",f\\Read;", "ERR_FILEOPEN"),
         ("TPWrite ReadStr(f);", "ERR_FILEACC"),
-        ("Open \"HOME:/o\",f\\Write;TPWrite ReadStr(f);", "ERR_FILEACC"),
-        ("Open \"HOME:/data/in.txt\",f\\Read;n:=ReadNum(f);", "ERR_RCVDATA"),
+        (
+            "Open \"HOME:/o\",f\\Write;TPWrite ReadStr(f);",
+            "ERR_FILEACC",
+        ),
+        (
+            "Open \"HOME:/data/in.txt\",f\\Read;n:=ReadNum(f);",
+            "ERR_RCVDATA",
+        ),
         ("TPWrite NumToStr(FileSize(\"none\"),0);", "ERR_FILNOTFND"),
-        ("CopyFile \"HOME:/data/in.txt\",\"HOME:/data/in.txt\";", "ERR_FILEEXIST"),
+        (
+            "CopyFile \"HOME:/data/in.txt\",\"HOME:/data/in.txt\";",
+            "ERR_FILEEXIST",
+        ),
     ] {
         let (_, told) = lines(statements);
         assert_eq!(told.failure(), (name.to_owned(), 2), "{statements}");

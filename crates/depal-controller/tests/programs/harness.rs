@@ -2,7 +2,8 @@ use std::sync::Arc;
 
 use depal_arm::Arm;
 use depal_controller::{
-    Controller, ControllerEvent, ControllerSpec, ControllerState, Network, NoNetwork, SignalKind, SignalSpec,
+    Controller, ControllerEvent, ControllerSpec, ControllerState, Network, NoNetwork, SignalKind,
+    SignalSpec,
 };
 use depal_frames::{JointPositions, Vector};
 use depal_rapid::SignalDefinition;
@@ -49,7 +50,11 @@ impl Told {
 
     pub fn edge(&self, signal: &str) -> f64 {
         let edges = self.edges(signal);
-        assert!(!edges.is_empty(), "{signal} never changed: {:?}", self.state);
+        assert!(
+            !edges.is_empty(),
+            "{signal} never changed: {:?}",
+            self.state
+        );
         edges[0].0
     }
 

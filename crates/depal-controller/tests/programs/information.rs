@@ -15,10 +15,14 @@ fn analogue_signals_are_waited_for() {
     let told = run_with("WaitAI ai1\\GT,5;\nSetDO do1,1;", "", &inputs).finished();
     assert!((told.edge("do1") - 2.0).abs() < 0.01);
     let told = run_with("WaitAI ai1,2.5;\nSetDO do1,1;", "", &inputs).finished();
-    assert!((told.edge("do1") - 1.0).abs() < 0.01, "passed on its way to 3");
+    assert!(
+        (told.edge("do1") - 1.0).abs() < 0.01,
+        "passed on its way to 3"
+    );
     let told = run_with("WaitAI ai1\\LT,-1\\MaxTime:=1.5;", "", &inputs);
     assert_eq!(told.failure(), ("ERR_WAIT_MAXTIME".to_owned(), 2));
-    let told = run("SetAO ao1,4.5;\nWaitAO ao1\\GT,4;\nTPWrite NumToStr(AOutput(ao1),1);").finished();
+    let told =
+        run("SetAO ao1,4.5;\nWaitAO ao1\\GT,4;\nTPWrite NumToStr(AOutput(ao1),1);").finished();
     assert_eq!(told.lines, ["4.5"]);
 }
 
@@ -46,7 +50,14 @@ fn bits_and_semaphores() {
         &[],
     )
     .finished();
-    assert_eq!(told.lines, ["15 5 254 2 64", "4", "set", "was free", "taken", "ordered"]);
-    let told = run_with("WaitTestAndSet flag;\nWaitTestAndSet flag;", "PERS bool flag := FALSE;", &[]);
+    assert_eq!(
+        told.lines,
+        ["15 5 254 2 64", "4", "set", "was free", "taken", "ordered"]
+    );
+    let told = run_with(
+        "WaitTestAndSet flag;\nWaitTestAndSet flag;",
+        "PERS bool flag := FALSE;",
+        &[],
+    );
     assert!(told.waits_for_ever);
 }

@@ -21,7 +21,9 @@ fn move_c_goes_through_its_circle_point() {
 
 #[test]
 fn an_arc_without_a_circle_is_an_error_at_its_line() {
-    let told = run("MoveL Offs(p0,10,0,0),v200,fine,tTool;\nMoveC Offs(p0,100,0,0),Offs(p0,200,0,0),v200,fine,tTool;");
+    let told = run(
+        "MoveL Offs(p0,10,0,0),v200,fine,tTool;\nMoveC Offs(p0,100,0,0),Offs(p0,200,0,0),v200,fine,tTool;",
+    );
     assert_eq!(told.failure(), ("ERR_ROBLIMIT".to_owned(), 3));
 }
 
@@ -50,7 +52,10 @@ fn outputs_and_corners() {
     assert!(told.edge("do1") < 0.01, "run-ahead: switched at once");
     assert!((told.edges("do1")[1].0 - told.reached(4)).abs() < 0.005);
 
-    let told = run("MoveLDO Offs(p0,300,0,0),v200,z50,tTool,do1,1;\nMoveL Offs(p0,300,200,0),v200,fine,tTool;").finished();
+    let told = run(
+        "MoveLDO Offs(p0,300,0,0),v200,z50,tTool,do1,1;\nMoveL Offs(p0,300,200,0),v200,fine,tTool;",
+    )
+    .finished();
     let corner = told.at(told.edge("do1"));
     let begin = told.trace[0];
     let (dx, dy) = (corner.x - begin.x, corner.y - begin.y);
@@ -59,11 +64,17 @@ fn outputs_and_corners() {
     for (instruction, line) in [
         ("MoveLDO Offs(p0,100,0,0),v200,fine,tTool,do1,1;", 2),
         ("MoveJDO Offs(p0,100,0,0),v200,fine,tTool,do1,1;", 2),
-        ("MoveCDO Offs(p0,50,50,0),Offs(p0,100,0,0),v200,fine,tTool,do1,1;", 2),
+        (
+            "MoveCDO Offs(p0,50,50,0),Offs(p0,100,0,0),v200,fine,tTool,do1,1;",
+            2,
+        ),
     ] {
         let told = run(instruction).finished();
         let (edge, reached) = (told.edge("do1"), told.reached(line));
-        assert!((edge - reached).abs() < 1e-6, "{instruction}: {edge} {reached}");
+        assert!(
+            (edge - reached).abs() < 1e-6,
+            "{instruction}: {edge} {reached}"
+        );
     }
 }
 
@@ -80,7 +91,8 @@ fn a_time_instead_of_a_speed_and_a_stop_with_a_time() {
     let seconds = told.reached(2);
     // The way in that time, and the ramps.
     assert!((4.0..4.45).contains(&seconds), "{seconds}");
-    let told = run("MoveL Offs(p0,100,0,0),v200,z50\\Inpos:=stoptime1_5,tTool;\nSetDO do1,1;").finished();
+    let told =
+        run("MoveL Offs(p0,100,0,0),v200,z50\\Inpos:=stoptime1_5,tTool;\nSetDO do1,1;").finished();
     let stood = told.edge("do1") - told.reached(2);
     assert!((stood - 1.5).abs() < 0.01, "{stood}");
 }
@@ -91,21 +103,37 @@ fn configuration_is_reached_or_refused() {
     let flip = "p0.robconf.cf4 := p0.robconf.cf4 - 2;\np0.robconf.cf6 := p0.robconf.cf6 - 2;\n";
     // Away from the singularity, with joints 4 and 6 inside their quarters.
     let away = "MoveAbsJ [[10,10,10,20,60,20],[9E9,9E9,9E9,9E9,9E9,9E9]],v1000,fine,tTool;\np0 := CRobT(\\Tool:=tTool);\n";
-    let told = run(&format!("{away}{flip}ConfJ\\On;\nMoveJ p0,v1000,fine,tTool;")).finished();
+    let told = run(&format!(
+        "{away}{flip}ConfJ\\On;\nMoveJ p0,v1000,fine,tTool;"
+    ))
+    .finished();
     let degrees = told.joints[told.joints.len() - 1].to_degrees();
-    assert!((degrees[3] + 160.0).abs() < 0.1 && degrees[4] < 0.0, "{degrees:?}");
-    let told = run(&format!("{away}{flip}ConfJ\\Off;\nMoveJ p0,v1000,fine,tTool;")).finished();
+    assert!(
+        (degrees[3] + 160.0).abs() < 0.1 && degrees[4] < 0.0,
+        "{degrees:?}"
+    );
+    let told = run(&format!(
+        "{away}{flip}ConfJ\\Off;\nMoveJ p0,v1000,fine,tTool;"
+    ))
+    .finished();
     let degrees = told.joints[told.joints.len() - 1].to_degrees();
     assert!((degrees[3] - 20.0).abs() < 0.1, "{degrees:?}");
     // A line cannot flip the wrist.
-    let told = run(&format!("{away}{flip}ConfL\\On;\nMoveL p0,v1000,fine,tTool;"));
+    let told = run(&format!(
+        "{away}{flip}ConfL\\On;\nMoveL p0,v1000,fine,tTool;"
+    ));
     assert_eq!(told.failure(), ("ERR_ROBLIMIT".to_owned(), 7));
-    run(&format!("{away}{flip}ConfL\\Off;\nMoveL p0,v1000,fine,tTool;")).finished();
+    run(&format!(
+        "{away}{flip}ConfL\\Off;\nMoveL p0,v1000,fine,tTool;"
+    ))
+    .finished();
 }
 
 #[test]
 fn limits_are_errors_at_the_line_of_the_move() {
-    let told = run("MoveL Offs(p0,100,0,0),v200,z10,tTool;\nMoveAbsJ [[0,0,0,0,90,999],[9E9,9E9,9E9,9E9,9E9,9E9]],v200,fine,tTool;");
+    let told = run(
+        "MoveL Offs(p0,100,0,0),v200,z10,tTool;\nMoveAbsJ [[0,0,0,0,90,999],[9E9,9E9,9E9,9E9,9E9,9E9]],v200,fine,tTool;",
+    );
     assert_eq!(told.failure(), ("ERR_ROBLIMIT".to_owned(), 3));
     let told = run("MoveJ Offs(p0,3000,0,0),v200,fine,tTool;");
     assert_eq!(told.failure(), ("ERR_ROBLIMIT".to_owned(), 2));
@@ -128,5 +156,8 @@ fn work_objects_and_external_axes() {
     let told = told.finished();
     let moved = told.end() - told.trace[0];
     // Up by the tool, then by the work object's place along Y.
-    assert!((moved.z - 0.05).abs() < 1e-4 && (moved.y - 0.1).abs() < 1e-4, "{moved}");
+    assert!(
+        (moved.z - 0.05).abs() < 1e-4 && (moved.y - 0.1).abs() < 1e-4,
+        "{moved}"
+    );
 }

@@ -34,7 +34,11 @@ fn run(sample: &str, peer: &mut VisionPeer) -> Told {
         kind,
     });
     let loaded = depal_rapid::load(&sources, &known, "main");
-    let shown: Vec<_> = loaded.diagnostics.iter().map(|d| d.plain(&sources)).collect();
+    let shown: Vec<_> = loaded
+        .diagnostics
+        .iter()
+        .map(|d| d.plain(&sources))
+        .collect();
     assert!(shown.is_empty(), "{}", shown.join("\n"));
     let checked = depal_rapid::check(&sources);
     assert!(!checked.has_errors());
@@ -59,7 +63,13 @@ fn run(sample: &str, peer: &mut VisionPeer) -> Told {
 #[track_caller]
 fn check(sample: &str, peer: &mut VisionPeer, lines: &[&str], requests: &[i32]) -> Told {
     let told = run(sample, peer);
-    assert_eq!(told.state, ControllerState::Finished, "{:?} {:?}", told.lines, peer.requests);
+    assert_eq!(
+        told.state,
+        ControllerState::Finished,
+        "{:?} {:?}",
+        told.lines,
+        peer.requests
+    );
     let said: Vec<_> = told.lines.iter().map(String::as_str).collect();
     assert_eq!(said, lines);
     assert_eq!(peer.requests, requests);
@@ -85,13 +95,24 @@ fn the_path_of_a_viz_project() {
     // Replies come in pieces: the module gathers them.
     peer.piece = 100;
     let lines = ["Waypoints: 4", "Vision Move at: 2", "Finished: Viz path"];
-    check(sample!("s02_viz_path.mod"), &mut peer, &lines, &[901, 201, 205]);
+    check(
+        sample!("s02_viz_path.mod"),
+        &mut peer,
+        &lines,
+        &[901, 201, 205],
+    );
 }
 
 #[test]
 fn the_do_list_of_a_gripper_with_sections() {
     let mut peer = VisionPeer::new(9);
-    let lines = ["Picked at once: 2", "Length: 600", "Width: 400", "Outputs: 10", "Finished: DO list"];
+    let lines = [
+        "Picked at once: 2",
+        "Length: 600",
+        "Width: 400",
+        "Outputs: 10",
+        "Finished: DO list",
+    ];
     let requests = [901, 201, 210, 210, 210, 210, 206];
     check(sample!("s03_do_list.mod"), &mut peer, &lines, &requests);
 }
@@ -106,8 +127,18 @@ fn branch_and_index() {
         "Finished: branch and index",
     ];
     let round = [201, 204, 203, 205];
-    let requests: Vec<i32> = [901, 202].into_iter().chain(round).chain(round).chain(round).collect();
-    check(sample!("s04_branch_and_index.mod"), &mut peer, &lines, &requests);
+    let requests: Vec<i32> = [901, 202]
+        .into_iter()
+        .chain(round)
+        .chain(round)
+        .chain(round)
+        .collect();
+    check(
+        sample!("s04_branch_and_index.mod"),
+        &mut peer,
+        &lines,
+        &requests,
+    );
     let (exits, indexes) = peer.chosen();
     assert_eq!(indexes, [0, 1, 2]);
     // Exits are latched until the project asks, which this one never does.
@@ -118,7 +149,12 @@ fn branch_and_index() {
 fn lite_commands() {
     let mut peer = VisionPeer::new(9);
     let lines = ["Points: 3", "Waypoints: 4", "Finished: Lite commands"];
-    check(sample!("s05_lite_commands.mod"), &mut peer, &lines, &[901, 100, 200]);
+    check(
+        sample!("s05_lite_commands.mod"),
+        &mut peer,
+        &lines,
+        &[901, 100, 200],
+    );
 }
 
 /// Two cartons, then nothing three times; the connection breaks in between, and is opened again.
@@ -172,7 +208,13 @@ fn longest_stand(told: &Told) -> f64 {
 #[test]
 fn plan_ahead() {
     let mut peer = VisionPeer::new(9);
-    let lines = ["Round 1", "Round 2", "Round 3", "Rounds: 3", "Finished: plan ahead"];
+    let lines = [
+        "Round 1",
+        "Round 2",
+        "Round 3",
+        "Rounds: 3",
+        "Finished: plan ahead",
+    ];
     let told = run(sample!("s07_plan_ahead.mod"), &mut peer);
     assert_eq!(told.state, ControllerState::Finished, "{:?}", told.lines);
     assert_eq!(told.lines, lines.map(str::to_owned));
@@ -180,7 +222,10 @@ fn plan_ahead() {
     assert!(ahead < 0.1, "{ahead} s");
     let late = sample!("s07_plan_ahead.mod")
         .replace("IF nRounds<nMaxRounds MM_Start_Viz 2,jHome;", "")
-        .replace("MM_get_plandata 0,1", "IF nRounds>0 MM_Start_Viz 2,jHome;\nMM_get_plandata 0,1")
+        .replace(
+            "MM_get_plandata 0,1",
+            "IF nRounds>0 MM_Start_Viz 2,jHome;\nMM_get_plandata 0,1",
+        )
         .replace("jHome\\NoEOffs,v1000,z50", "jHome\\NoEOffs,v1000,fine");
     let told = run(&late, &mut VisionPeer::new(9));
     assert_eq!(told.lines, lines.map(str::to_owned));

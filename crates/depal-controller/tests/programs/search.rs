@@ -15,7 +15,10 @@ fn a_search_finds_its_point_and_stops() {
     let there = (told.at(2.0) - told.trace[0]).norm() * 1e3;
     assert!((found - there).abs() < 0.5, "{found} {there}");
     let stood = (told.end() - told.trace[0]).norm() * 1e3;
-    assert!(stood > found && stood < found + 10.0, "stands at {stood}, found {found}");
+    assert!(
+        stood > found && stood < found + 10.0,
+        "stands at {stood}, found {found}"
+    );
     assert!(stood < 300.0);
 }
 
@@ -29,7 +32,10 @@ fn a_flying_search_goes_on_to_its_end() {
     )
     .finished();
     let found: f64 = told.lines[0].parse().expect("a number");
-    assert!((found - (told.at(2.0) - told.trace[0]).norm() * 1e3).abs() < 0.5, "the first");
+    assert!(
+        (found - (told.at(2.0) - told.trace[0]).norm() * 1e3).abs() < 0.5,
+        "the first"
+    );
     assert!(((told.end() - told.trace[0]).norm() - 0.4).abs() < 1e-6);
 }
 

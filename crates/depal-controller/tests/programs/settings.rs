@@ -46,7 +46,11 @@ fn the_override_slows_what_follows() {
 #[test]
 fn what_has_no_effect_is_told() {
     run("SingArea\\Wrist;\nSingArea\\Off;\nGripLoad load0;\nMotionSup\\On;\nPathResol 100;\nCirPathMode\\ObjectFrame;").finished();
-    for wrong in ["SingArea\\LockAxis4;", "MotionSup\\Off;", "CirPathMode\\CirPointOri;"] {
+    for wrong in [
+        "SingArea\\LockAxis4;",
+        "MotionSup\\Off;",
+        "CirPathMode\\CirPointOri;",
+    ] {
         assert_eq!(run(wrong).failure().1, 2, "{wrong}");
     }
     let heavy = "GripLoad [-1,[0,0,0.001],[1,0,0,0],0,0,0];";

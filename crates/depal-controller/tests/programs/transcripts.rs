@@ -13,17 +13,26 @@ use crate::vision_peer::VisionPeer;
 const MODULE: &str = include_str!("../../../../assets/rapid/MM_Module.mod");
 
 fn run(statements: &str, network: &mut dyn Network) -> Told {
-    let main = format!("MODULE m\nVAR num n;\nVAR num st;\nVAR num v;\nVAR socketdev s;\nVAR string text;\nPROC main()\n{statements}\nENDPROC\nENDMODULE\n");
+    let main = format!(
+        "MODULE m\nVAR num n;\nVAR num st;\nVAR num v;\nVAR socketdev s;\nVAR string text;\nPROC main()\n{statements}\nENDPROC\nENDMODULE\n"
+    );
     let sources = [
         SourceFile::new("MM_Module.mod", MODULE),
         SourceFile::new("m.mod", main),
     ];
     let loaded = depal_rapid::load(&sources, &[], "main");
-    let shown: Vec<_> = loaded.diagnostics.iter().map(|d| d.plain(&sources)).collect();
+    let shown: Vec<_> = loaded
+        .diagnostics
+        .iter()
+        .map(|d| d.plain(&sources))
+        .collect();
     assert!(shown.is_empty(), "{}", shown.join("\n"));
     let home = JointPositions::from_degrees(&[90.0, -20.0, 20.0, 0.0, 90.0, 0.0]);
     let mut spec = ControllerSpec::new("rob1", arm(), home);
-    spec.signals = vec![SignalSpec::new("goVacuum", SignalKind::GroupOutput { bits: 16 })];
+    spec.signals = vec![SignalSpec::new(
+        "goVacuum",
+        SignalKind::GroupOutput { bits: 16 },
+    )];
     let mut controller = Controller::new(spec).expect("a cabinet");
     let program = loaded.program.expect("no errors");
     controller.set_task(Box::new(Machine::new(program, "T_ROB1").single_cycle()));
@@ -40,7 +49,10 @@ fn a_recorded_dialogue_plays_again() {
     assert_eq!(first.state, ControllerState::Finished);
     assert_eq!(first.lines, ["state 1101", "points 3"]);
     let transcript = recording.transcript().clone();
-    assert_eq!(Transcript::parse(&transcript.to_text()), Ok(transcript.clone()));
+    assert_eq!(
+        Transcript::parse(&transcript.to_text()),
+        Ok(transcript.clone())
+    );
     let mut replay = ReplayNetwork::new(&transcript);
     let second = run(DIALOGUE, &mut replay);
     assert_eq!(replay.difference(), None);
@@ -54,10 +66,16 @@ fn another_request_is_a_difference() {
     let mut recording = RecordingNetwork::new(VisionPeer::new(5));
     run(DIALOGUE, &mut recording);
     let mut replay = ReplayNetwork::new(recording.transcript());
-    let told = run(&DIALOGUE.replace("MM_Start_Vis 1,0", "MM_Start_Vis 2,0"), &mut replay);
+    let told = run(
+        &DIALOGUE.replace("MM_Start_Vis 1,0", "MM_Start_Vis 2,0"),
+        &mut replay,
+    );
     assert!(matches!(told.state, ControllerState::Failed(_)));
     let difference = replay.difference().expect("a difference");
-    assert!(difference.ends_with("connection 1: sends 02, then 01"), "{difference}");
+    assert!(
+        difference.ends_with("connection 1: sends 02, then 01"),
+        "{difference}"
+    );
 }
 
 /// Time-outs are simulated time, whatever the network: 2 s without a byte, then a late answer is read.
@@ -75,8 +93,14 @@ fn time_outs_and_pieces_are_in_simulated_time() {
 fn a_transcript_with_a_mistake_names_its_line() {
     for (text, message) in [
         ("0 1 connected here\n", "line 1: \"here\" is no HOST:PORT"),
-        ("# x\n\n0 1 sent 0g\n", "line 3: \"0g\" is no byte in hexadecimal"),
-        ("0 1 sent 012\n", "line 1: \"012\" are no bytes in hexadecimal"),
+        (
+            "# x\n\n0 1 sent 0g\n",
+            "line 3: \"0g\" is no byte in hexadecimal",
+        ),
+        (
+            "0 1 sent 012\n",
+            "line 1: \"012\" are no bytes in hexadecimal",
+        ),
         ("x 1 closed\n", "line 1: \"x\" is no time in seconds"),
         ("0 1\n", "line 1: the word is missing"),
     ] {
@@ -84,5 +108,8 @@ fn a_transcript_with_a_mistake_names_its_line() {
         assert_eq!(error.to_string(), message);
     }
     let good = Transcript::parse("0.5 2 refused 10.0.0.9:80\n").expect("a transcript");
-    assert_eq!(good.lines[0].exchange, Exchange::Refused("10.0.0.9".to_owned(), 80));
+    assert_eq!(
+        good.lines[0].exchange,
+        Exchange::Refused("10.0.0.9".to_owned(), 80)
+    );
 }

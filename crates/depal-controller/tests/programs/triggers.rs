@@ -11,13 +11,18 @@ fn an_output_fires_so_far_before_the_target() {
     assert!((left(&told, edge) - 0.1).abs() < 1e-3);
     assert!(edge < reached - 0.15, "{edge} {reached}");
     // From the start.
-    let told = run("TriggIO trigg,100\\Start\\DOp:=do1,1;\nTriggL Offs(p0,400,0,0),v500,trigg,fine,tTool;").finished();
+    let told = run(
+        "TriggIO trigg,100\\Start\\DOp:=do1,1;\nTriggL Offs(p0,400,0,0),v500,trigg,fine,tTool;",
+    )
+    .finished();
     assert!((left(&told, told.edge("do1")) - 0.3).abs() < 1e-3);
 }
 
 #[test]
 fn an_output_fires_so_long_before_the_target() {
-    let told = run("TriggIO trigg,0.2\\Time\\DOp:=do1,1;\nTriggL Offs(p0,400,0,0),v500,trigg,fine,tTool;").finished();
+    let told =
+        run("TriggIO trigg,0.2\\Time\\DOp:=do1,1;\nTriggL Offs(p0,400,0,0),v500,trigg,fine,tTool;")
+            .finished();
     let before = told.reached(3) - told.edge("do1");
     assert!((before - 0.2).abs() < 1e-6, "{before}");
 }
@@ -60,7 +65,10 @@ fn several_triggers_on_one_move() {
 fn triggers_of_fly_by_moves() {
     let told = run("TriggIO trigg,0\\DOp:=do1,1;\nTriggIO other,20\\Start\\DOp:=do2,1;\nTriggL Offs(p0,300,0,0),v300,trigg,z100,tTool;\nTriggL Offs(p0,300,300,0),v300,other,fine,tTool;").finished();
     let place = told.at(told.edge("do1")) - told.trace[0];
-    assert!((place.x - 0.3 + place.y).abs() < 5e-3, "on the bisector: {place}");
+    assert!(
+        (place.x - 0.3 + place.y).abs() < 5e-3,
+        "on the bisector: {place}"
+    );
     assert!(told.edge("do2") > told.edge("do1"));
     assert!(told.edge("do2") < told.reached(4));
 }
@@ -71,6 +79,7 @@ fn triggers_are_refused_where_they_are_wrong() {
     assert_eq!(told.failure().1, 2);
     let told = run("TriggIO trigg,0.9\\Time\\DOp:=do1,1;");
     assert_eq!(told.failure().1, 2);
-    let told = run("TriggIO trigg,10\\GOp:=go1,999;\nTriggL Offs(p0,300,0,0),v300,trigg,fine,tTool;");
+    let told =
+        run("TriggIO trigg,10\\GOp:=go1,999;\nTriggL Offs(p0,300,0,0),v300,trigg,fine,tTool;");
     assert_eq!(told.failure(), ("ERR_SIG_NOT_VALID".to_owned(), 3));
 }

@@ -188,7 +188,10 @@ impl Network for VisionPeer {
         };
         let head = bytes[..4].try_into().expect("a head");
         self.requests.push(i32::from_le_bytes(head));
-        if self.breaks_after.is_some_and(|count| self.requests.len() > count) {
+        if self
+            .breaks_after
+            .is_some_and(|count| self.requests.len() > count)
+        {
             self.breaks_after = None;
             self.clients.remove(&socket);
             self.server.handle_disconnect(now, PORT, client);

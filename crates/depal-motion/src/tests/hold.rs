@@ -18,7 +18,7 @@ fn a_held_path_is_taken_up_where_it_was_left() {
     for share in [0.02, 0.3, 0.5, 0.55, 0.9, 0.99] {
         let mut t = two_moves(&arm);
         let at = share * whole;
-        let mut trace: Vec<_> = (0..)
+        let mut trace: Vec<_> = (0..10_000)
             .map(|i| f64::from(i) * TICK)
             .take_while(|time| *time < at)
             .map(|time| t.sample(time))

@@ -38,13 +38,19 @@ fn a_place_is_passed_where_it_is() {
 fn places_go_through_a_corner_in_order() {
     let arm = arm();
     let mut t = Trajectory::new(Arc::clone(&arm), home());
-    t.append(0.0, &linear_move(home_tcp(&arm, 0.4, 0.0, 0.0), 1.0, fly(0.1)))
-        .unwrap();
+    t.append(
+        0.0,
+        &linear_move(home_tcp(&arm, 0.4, 0.0, 0.0), 1.0, fly(0.1)),
+    )
+    .unwrap();
     let ends: Vec<Mark> = [0.3, 0.2, 0.12, 0.08, 0.04, 0.0]
         .map(|d| t.mark_last(Along::BeforeEnd(d)))
         .into();
-    t.append(0.0, &linear_move(home_tcp(&arm, 0.4, 0.4, 0.0), 1.0, Zone::Fine))
-        .unwrap();
+    t.append(
+        0.0,
+        &linear_move(home_tcp(&arm, 0.4, 0.4, 0.0), 1.0, Zone::Fine),
+    )
+    .unwrap();
     let starts: Vec<Mark> = [0.0, 0.04, 0.08, 0.12, 0.2, 0.5]
         .map(|d| t.mark_last(Along::AfterStart(d)))
         .into();

@@ -20,7 +20,10 @@ pub(super) const ENTRIES: [Entry; 19] = [
     ("FUNC num AOutput(signalao Signal)", read),
     ("FUNC dnum GInputDnum(signalgi Signal)", read_dnum),
     ("FUNC dnum GOutputDnum(signalgo Signal)", read_dnum),
-    ("PROC AliasIO(anytype FromSignal, INOUT anytype ToSignal)", alias),
+    (
+        "PROC AliasIO(anytype FromSignal, INOUT anytype ToSignal)",
+        alias,
+    ),
     ("PROC AliasIOReset(INOUT anytype Signal)", reset_alias),
     ("FUNC bool TestAndSet(INOUT bool Object)", test_and_set),
     ("PROC WaitTestAndSet(INOUT bool Object)", wait_test_and_set),
@@ -36,14 +39,21 @@ pub(super) const ENTRIES: [Entry; 19] = [
         "FUNC bool StrOrder(string Str1, string Str2, string Order)",
         str_order,
     ),
-    ("FUNC robtarget ORobT(robtarget OrgPoint \\switch InPDisp | switch InEOffs)", same_target),
+    (
+        "FUNC robtarget ORobT(robtarget OrgPoint \\switch InPDisp | switch InEOffs)",
+        same_target,
+    ),
 ];
 
 fn done() -> Ran {
     Ok(Outcome::Done(Value::Absent))
 }
 
-fn value_of(context: &CallContext<'_>, system: &dyn System, index: usize) -> Result<f64, RaisedError> {
+fn value_of(
+    context: &CallContext<'_>,
+    system: &dyn System,
+    index: usize,
+) -> Result<f64, RaisedError> {
     let signal = context.signal(index)?;
     system
         .signal(&signal)
@@ -157,7 +167,9 @@ fn byte(context: &CallContext<'_>, index: usize) -> Result<u8, RaisedError> {
     if (0.0..=255.0).contains(&number) && number.fract() == 0.0 {
         return Ok(number as u8);
     }
-    Err(context.argument_error(format!("expected a whole number from 0 to 255, found {number}")))
+    Err(context.argument_error(format!(
+        "expected a whole number from 0 to 255, found {number}"
+    )))
 }
 
 /// A place of a bit from 1 to 8, as a mask.

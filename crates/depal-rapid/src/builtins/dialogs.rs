@@ -37,7 +37,10 @@ pub(super) const ENTRIES: [Entry; 9] = [
         read_dnum,
     ),
     ("PROC TPShow(tpnum Window)", shown),
-    ("PROC UIShow(string AssemblyName, string TypeName \\string InitCmd)", shown),
+    (
+        "PROC UIShow(string AssemblyName, string TypeName \\string InitCmd)",
+        shown,
+    ),
     ("FUNC bool UIClientExist()", client),
 ];
 
@@ -84,7 +87,11 @@ fn ask(
     if !late && !broken {
         return Ok(None);
     }
-    let name = if late { "ERR_TP_MAXTIME" } else { "ERR_TP_DIBREAK" };
+    let name = if late {
+        "ERR_TP_MAXTIME"
+    } else {
+        "ERR_TP_DIBREAK"
+    };
     let raised = error(
         name,
         format!("nobody answered {} in time", asked.instruction),
@@ -221,7 +228,9 @@ fn text_entry(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         None => Ok(Outcome::Blocked),
         Some(answer) => {
             let limit = context.rules.string_limit;
-            Ok(Outcome::Done(Value::Str(answer.chars().take(limit).collect())))
+            Ok(Outcome::Done(Value::Str(
+                answer.chars().take(limit).collect(),
+            )))
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Files below the program's folder. Paths cannot leave it: `HOME:` and `TEMP:` are folders in it.
 
 use depal_vm::system::{Fault, System};
-use depal_vm::{CallContext, Outcome, RawBytes, RaisedError, Value};
+use depal_vm::{CallContext, Outcome, RaisedError, RawBytes, Value};
 
 use super::records::part;
 use super::strings::display;
@@ -44,7 +44,10 @@ pub(super) const ENTRIES: [Entry; 21] = [
         "FUNC num ReadNum(INOUT iodev IODevice \\string Delim \\num Time)",
         read_num,
     ),
-    ("FUNC num ReadBin(INOUT iodev IODevice \\num Time)", read_bin),
+    (
+        "FUNC num ReadBin(INOUT iodev IODevice \\num Time)",
+        read_bin,
+    ),
     (
         "FUNC string ReadStrBin(INOUT iodev IODevice, num NoOfChars \\num Time)",
         read_str_bin,
@@ -57,7 +60,10 @@ pub(super) const ENTRIES: [Entry; 21] = [
         is_file,
     ),
     ("PROC RemoveFile(string Path)", remove_file),
-    ("PROC RenameFile(string OldPath, string NewPath)", rename_file),
+    (
+        "PROC RenameFile(string OldPath, string NewPath)",
+        rename_file,
+    ),
     ("PROC CopyFile(string OldPath, string NewPath)", copy_file),
     ("PROC MakeDir(string Path)", make_dir),
     ("PROC RemoveDir(string Path)", remove_dir),
@@ -133,7 +139,11 @@ fn message(fault: &Fault) -> String {
 /// Whether something of this name, or below it, is there.
 fn is_folder(system: &dyn System, path: &str) -> bool {
     let below = format!("{path}/");
-    path.is_empty() || system.file_names().iter().any(|name| name.starts_with(&below))
+    path.is_empty()
+        || system
+            .file_names()
+            .iter()
+            .any(|name| name.starts_with(&below))
 }
 
 fn open(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
@@ -297,7 +307,10 @@ fn rest(
 fn read_raw(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let (path, position, mut bytes) = rest(context, system)?;
     if bytes.is_empty() {
-        return Err(error("ERR_RANYBIN_EOF", format!("{path}: nothing is left to read")));
+        return Err(error(
+            "ERR_RANYBIN_EOF",
+            format!("{path}: nothing is left to read"),
+        ));
     }
     bytes.truncate(depal_vm::RAW_BYTES_LIMIT);
     let count = bytes.len();
@@ -469,7 +482,10 @@ fn remove_dir(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let path = path(context, 0)?;
     let own = format!("{path}/");
     let names = system.file_names();
-    if names.iter().any(|name| name.starts_with(&own) && *name != own) {
+    if names
+        .iter()
+        .any(|name| name.starts_with(&own) && *name != own)
+    {
         return Err(error("ERR_FILEACC", format!("{path} is not empty")));
     }
     remove(system, &own)?;

@@ -52,7 +52,8 @@ fn system_info(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     let given = (0..ANSWERS.len()).find(|index| context.is_given(*index));
     match given {
         Some(index) => text(ANSWERS[index]),
-        None => Err(context.argument_error("GetSysInfo needs one of its switches, as in GetSysInfo(\\SWVersion)")),
+        None => Err(context
+            .argument_error("GetSysInfo needs one of its switches, as in GetSysInfo(\\SWVersion)")),
     }
 }
 
@@ -74,7 +75,9 @@ fn calendar(system: &dyn System) -> (u64, u64) {
 fn date(_: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let (mut day, _) = calendar(system);
     let mut year = 2000;
-    let leap = |year: u64| year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let leap = |year: u64| {
+        year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400))
+    };
     while day >= 365 + u64::from(leap(year)) {
         day -= 365 + u64::from(leap(year));
         year += 1;
@@ -110,7 +113,9 @@ fn get_time(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         Some(1) => num((second / 3600) as f64),
         Some(2) => num((second / 60 % 60) as f64),
         Some(_) => num((second % 60) as f64),
-        None => Err(context.argument_error("GetTime needs one of its switches, as in GetTime(\\Hour)")),
+        None => {
+            Err(context.argument_error("GetTime needs one of its switches, as in GetTime(\\Hour)"))
+        }
     }
 }
 

@@ -205,8 +205,11 @@ fn asked(
     let share = modal(context, "velocity_percent", 100.0) / 100.0;
     let refreshed = modal(context, "override_percent", 100.0) / 100.0;
     let most_mm_s = modal(context, "velocity_limit_mm_s", f64::INFINITY);
-    let acceleration = modal(context, "acceleration_percent", 100.0)
-        .min(modal(context, "path_acceleration_percent", 100.0));
+    let acceleration = modal(context, "acceleration_percent", 100.0).min(modal(
+        context,
+        "path_acceleration_percent",
+        100.0,
+    ));
     let in_position = match places.in_position {
         Some(index) => super::records::optional(context, index)?,
         None => None,
@@ -215,9 +218,8 @@ fn asked(
         Some(index) => context.required(index)?.clone(),
         None => Value::Absent,
     };
-    let stops = places.zone.is_none()
-        || in_position.is_some()
-        || part(&zone_data, 0) == &Value::Bool(true);
+    let stops =
+        places.zone.is_none() || in_position.is_some() || part(&zone_data, 0) == &Value::Bool(true);
     let zone = if stops {
         MoveZone::Fine
     } else {

@@ -1,6 +1,5 @@
 //! Moves that look for a signal on their way.
 
-
 use depal_vm::system::{MoveId, MoveKind, System};
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 
@@ -73,7 +72,9 @@ fn search(context: &mut CallContext<'_>, system: &mut dyn System, places: &Place
         if plain && value != 0.0 {
             return Err(error(
                 "ERR_SIGSUPSEARCH",
-                format!("signal {signal} is 1 already when the search begins; the arm was not moved"),
+                format!(
+                    "signal {signal} is 1 already when the search begins; the arm was not moved"
+                ),
             ));
         }
         let begun = perform(context, system, |context, system| {

@@ -144,7 +144,10 @@ fn path_acc_lim(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
             percent = percent.min(100.0 * most / FULL_M_S2);
         }
     }
-    context.memory.modal.insert("path_acceleration_percent", percent);
+    context
+        .memory
+        .modal
+        .insert("path_acceleration_percent", percent);
     done()
 }
 

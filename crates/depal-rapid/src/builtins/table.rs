@@ -1,8 +1,8 @@
 use depal_vm::{Builtin, BuiltinFn};
 
 use super::{
-    analog, dialogs, files, geometry, information, interrupts, io, maths, messages, motion, operator, path, positions, rawbytes, search,
-    settings, socket, strings, timing, triggers,
+    analog, dialogs, files, geometry, information, interrupts, io, maths, messages, motion,
+    operator, path, positions, rawbytes, search, settings, socket, strings, timing, triggers,
 };
 use crate::syntax::parser::parse_heading;
 use crate::syntax::tree::Routine;

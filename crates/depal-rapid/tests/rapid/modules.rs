@@ -108,14 +108,22 @@ fn loaded(module: &str, statements: &str) -> Machine {
         SourceFile::new("user.mod", main),
     ];
     let loaded = load(&sources, &signals(), "main");
-    let shown: Vec<_> = loaded.diagnostics.iter().map(|d| d.plain(&sources)).collect();
+    let shown: Vec<_> = loaded
+        .diagnostics
+        .iter()
+        .map(|d| d.plain(&sources))
+        .collect();
     assert!(shown.is_empty(), "{}", shown.join("\n"));
     Machine::new(loaded.program.expect("no errors"), "T_ROB1")
 }
 
 /// Calls a procedure against exchanges of a transcript; the machine afterwards.
 #[track_caller]
-fn call(version: Version, statements: &str, wanted: &[(Vec<u8>, Vec<u8>)]) -> (Machine, FakeSystem) {
+fn call(
+    version: Version,
+    statements: &str,
+    wanted: &[(Vec<u8>, Vec<u8>)],
+) -> (Machine, FakeSystem) {
     let open = match (version.each, version.status) {
         (true, _) => "",
         (_, true) => "MM_Open_Socket st;",
@@ -131,7 +139,11 @@ fn call(version: Version, statements: &str, wanted: &[(Vec<u8>, Vec<u8>)]) -> (M
     let end = run(&mut machine, &mut system);
     let place = format!("{} {statements}", version.name);
     assert_eq!(end, Step::Finished, "{place}: {:?}", system.trace);
-    assert_eq!(system.sent.len(), wanted.len(), "{place}: number of requests");
+    assert_eq!(
+        system.sent.len(),
+        wanted.len(),
+        "{place}: number of requests"
+    );
     for (sent, (expected, _)) in system.sent.iter().zip(wanted) {
         same(sent, expected, &place);
     }
@@ -177,19 +189,51 @@ fn the_versions_share_their_internals() {
 #[test]
 fn every_procedure_is_there() {
     const PROCEDURES: [&str; 29] = [
-        "MM_Init_Socket", "MM_Open_Socket", "MM_Close_Socket", "MM_Start_Vis", "MM_Get_VisData",
-        "MM_Get_Pose", "MM_Get_Jps", "MM_Switch_Model", "MM_Get_VisPath", "MM_Lite_Vis",
-        "MM_Get_DyData", "MM_Get_DyPose", "MM_Get_DoList", "MM_Set_DoList", "MM_Start_Viz",
-        "MM_Set_Branch", "MM_Set_Index", "MM_Get_VizData", "MM_Lite_Viz", "MM_get_plandata",
-        "MM_Get_PlanPose", "MM_Get_PlanJps", "MM_Get_Property", "MM_Set_Property", "MM_Set_BoxSize",
-        "MM_Get_Notify", "MM_Calib", "MM_Stop_Viz", "MM_Get_Status",
+        "MM_Init_Socket",
+        "MM_Open_Socket",
+        "MM_Close_Socket",
+        "MM_Start_Vis",
+        "MM_Get_VisData",
+        "MM_Get_Pose",
+        "MM_Get_Jps",
+        "MM_Switch_Model",
+        "MM_Get_VisPath",
+        "MM_Lite_Vis",
+        "MM_Get_DyData",
+        "MM_Get_DyPose",
+        "MM_Get_DoList",
+        "MM_Set_DoList",
+        "MM_Start_Viz",
+        "MM_Set_Branch",
+        "MM_Set_Index",
+        "MM_Get_VizData",
+        "MM_Lite_Viz",
+        "MM_get_plandata",
+        "MM_Get_PlanPose",
+        "MM_Get_PlanJps",
+        "MM_Get_Property",
+        "MM_Set_Property",
+        "MM_Set_BoxSize",
+        "MM_Get_Notify",
+        "MM_Calib",
+        "MM_Stop_Viz",
+        "MM_Get_Status",
     ];
     for version in VERSIONS {
         for name in PROCEDURES {
             let heading = format!("\n  PROC {name}(");
-            assert!(version.text.contains(&heading), "{} has no {name}", version.name);
+            assert!(
+                version.text.contains(&heading),
+                "{} has no {name}",
+                version.name
+            );
         }
-        assert_eq!(version.text.matches("\n  PROC ").count(), PROCEDURES.len(), "{}", version.name);
+        assert_eq!(
+            version.text.matches("\n  PROC ").count(),
+            PROCEDURES.len(),
+            "{}",
+            version.name
+        );
         loaded(version.text, "");
     }
 }
@@ -201,17 +245,38 @@ fn commands_without_data() {
     plain(start, 1, "MM_Start_Vis 1,0,1,jGolden", 1102.0);
     plain(start, 2, "MM_Start_Vis 1,0,2,jGolden", 1102.0);
     plain(start, 3, "MM_Start_Vis 1,5,3,jGolden", 1102.0);
-    plain(golden!("103_switch_recipe.txt"), 0, "MM_Switch_Model 1,2", 1107.0);
+    plain(
+        golden!("103_switch_recipe.txt"),
+        0,
+        "MM_Switch_Model 1,2",
+        1107.0,
+    );
     let of = |text: &str, status: u16| {
-        let found = exchanges(text).into_iter().position(|(_, answer)| answer[4..6] == status.to_le_bytes());
+        let found = exchanges(text)
+            .into_iter()
+            .position(|(_, answer)| answer[4..6] == status.to_le_bytes());
         found.expect("a success in the transcript")
     };
-    let at = |text: &str, status: u16| exchanges(text).into_iter().nth(of(text, status)).expect("just found").0;
+    let at = |text: &str, status: u16| {
+        exchanges(text)
+            .into_iter()
+            .nth(of(text, status))
+            .expect("just found")
+            .0
+    };
     let cell = |frame: &[u8], index: usize| {
-        i32::from_le_bytes(frame[4 * index..4 * index + 4].try_into().expect("four bytes"))
+        i32::from_le_bytes(
+            frame[4 * index..4 * index + 4]
+                .try_into()
+                .expect("four bytes"),
+        )
     };
     let real = |frame: &[u8], index: usize| {
-        f32::from_le_bytes(frame[4 * index..4 * index + 4].try_into().expect("four bytes"))
+        f32::from_le_bytes(
+            frame[4 * index..4 * index + 4]
+                .try_into()
+                .expect("four bytes"),
+        )
     };
     for (text, status, name, ints) in [
         (golden!("203_set_branch.txt"), 2105, "MM_Set_Branch", 2),
@@ -219,16 +284,32 @@ fn commands_without_data() {
     ] {
         let frame = at(text, status);
         let arguments: Vec<_> = (1..=ints).map(|i| cell(&frame, i).to_string()).collect();
-        plain(text, of(text, status), &format!("{name} {}", arguments.join(",")), f64::from(status));
+        plain(
+            text,
+            of(text, status),
+            &format!("{name} {}", arguments.join(",")),
+            f64::from(status),
+        );
     }
     let boxes = golden!("501_set_box_size.txt");
     let frame = at(boxes, 1108);
-    let call = format!("MM_Set_BoxSize {},{},{},{}", cell(&frame, 1), real(&frame, 2), real(&frame, 3), real(&frame, 4));
+    let call = format!(
+        "MM_Set_BoxSize {},{},{},{}",
+        cell(&frame, 1),
+        real(&frame, 2),
+        real(&frame, 3),
+        real(&frame, 4)
+    );
     plain(boxes, of(boxes, 1108), &call, 1108.0);
     let viz = golden!("201_start_viz.txt");
     for (index, (frame, answer)) in exchanges(viz).iter().enumerate() {
         if answer[4..6] == 2103u16.to_le_bytes() {
-            plain(viz, index, &format!("MM_Start_Viz {},jGolden", cell(frame, 1)), 2103.0);
+            plain(
+                viz,
+                index,
+                &format!("MM_Start_Viz {},jGolden", cell(frame, 1)),
+                2103.0,
+            );
         }
     }
     for version in VERSIONS {
@@ -248,7 +329,12 @@ fn commands_without_data() {
         let text = golden!("207_read_parameter.txt");
         let index = of(text, 2109);
         let (request, answer) = &exchanges(text)[index];
-        let (machine, _) = call_one(version, &format!("MM_Get_Property {},st,v;", cell(request, 1)), text, index);
+        let (machine, _) = call_one(
+            version,
+            &format!("MM_Get_Property {},st,v;", cell(request, 1)),
+            text,
+            index,
+        );
         assert_eq!(num(&machine, "v"), f64::from(real(answer, 2)));
     }
 }
@@ -281,7 +367,12 @@ fn paths_are_fetched_and_stored() {
             let statements = format!("MM_get_plandata 0,{format},n,v,st;\n{store}");
             let (machine, _) = call(version, &statements, &rounds);
             let found = ["n", "v", "st", "a", "b", "c"].map(|name| num(&machine, name));
-            assert_eq!(found, [3.0, 2.0, 2100.0, 2.0, 1.0, 40.0], "{} {format}", version.name);
+            assert_eq!(
+                found,
+                [3.0, 2.0, 2100.0, 2.0, 1.0, 40.0],
+                "{} {format}",
+                version.name
+            );
             let target = if format % 2 == 1 { "j" } else { "p" };
             let Value::Record(fields) = global(&machine, target) else {
                 panic!("a record");
@@ -302,7 +393,9 @@ fn paths_are_fetched_and_stored() {
         }
     }
     let text = golden!("dialogue_f_heads.txt");
-    let path = exchanges(text).into_iter().find(|(r, a)| r[0] == 205 && a[4..6] == 2100u16.to_le_bytes());
+    let path = exchanges(text)
+        .into_iter()
+        .find(|(r, a)| r[0] == 205 && a[4..6] == 2100u16.to_le_bytes());
     let path = [path.expect("a path")];
     for version in VERSIONS {
         let statements = "MM_Get_VizData 1,n,v,st;\nMM_Get_Jps 2,j,a,b;";
@@ -316,8 +409,18 @@ fn paths_are_fetched_and_stored() {
 #[test]
 fn points_are_fetched_and_stored() {
     for (text, code, status, statement) in [
-        (golden!("102_get_vision_points.txt"), 102u8, 1100u16, "MM_Get_VisData 1,n,st;"),
-        (golden!("105_get_vision_path.txt"), 105, 1103, "MM_Get_VisPath"),
+        (
+            golden!("102_get_vision_points.txt"),
+            102u8,
+            1100u16,
+            "MM_Get_VisData 1,n,st;",
+        ),
+        (
+            golden!("105_get_vision_path.txt"),
+            105,
+            1103,
+            "MM_Get_VisPath",
+        ),
     ] {
         // From the first part up to the one that says that it is the last.
         let all = exchanges(text);
@@ -332,7 +435,9 @@ fn points_are_fetched_and_stored() {
             }
         }
         assert!(!parts.is_empty());
-        let cell = |frame: &[u8], index: usize| i32::from_le_bytes(frame[4 * index..4 * index + 4].try_into().expect("four"));
+        let cell = |frame: &[u8], index: usize| {
+            i32::from_le_bytes(frame[4 * index..4 * index + 4].try_into().expect("four"))
+        };
         let request = &parts[0].0;
         let (job, kind) = (cell(request, 1), cell(request, 2));
         let statement = if code == 105 {
@@ -345,7 +450,11 @@ fn points_are_fetched_and_stored() {
         let label_at = 5 + 8 * (cell(last, 3) as usize - 1) + 6;
         let label = cell(last, label_at);
         for version in VERSIONS {
-            let store = if code == 105 && kind == 1 { "MM_Get_Jps n,j,a,b;" } else { "MM_Get_Pose n,p,a,b;" };
+            let store = if code == 105 && kind == 1 {
+                "MM_Get_Jps n,j,a,b;"
+            } else {
+                "MM_Get_Pose n,p,a,b;"
+            };
             let (machine, _) = call(version, &format!("{statement}\n{store}"), &parts);
             assert_eq!(num(&machine, "n"), f64::from(count), "{}", version.name);
             assert_eq!(num(&machine, "st"), f64::from(status));
@@ -357,7 +466,9 @@ fn points_are_fetched_and_stored() {
 #[test]
 fn the_do_list_switches_on_its_bits() {
     let text = golden!("dialogue_f_heads.txt");
-    let list = exchanges(text).into_iter().find(|(request, _)| request[0] == 206);
+    let list = exchanges(text)
+        .into_iter()
+        .find(|(request, _)| request[0] == 206);
     let list = [list.expect("a list")];
     for version in VERSIONS {
         // DO 1 and 3 of the list; the group begins with 0.
@@ -380,7 +491,9 @@ fn the_do_list_switches_on_its_bits() {
 #[test]
 fn messages_and_custom_data() {
     let text = golden!("601_get_notify.txt");
-    let found = exchanges(text).into_iter().find(|(request, answer)| request[..2] == 601u16.to_le_bytes() && answer[4] != 0);
+    let found = exchanges(text)
+        .into_iter()
+        .find(|(request, answer)| request[..2] == 601u16.to_le_bytes() && answer[4] != 0);
     let notify = [found.expect("a message")];
     let message = i32::from_le_bytes(notify[0].1[4..8].try_into().expect("four"));
     for version in VERSIONS {
@@ -398,7 +511,9 @@ fn messages_and_custom_data() {
             }
         }
     }
-    let cell = |frame: &[u8], index: usize| i32::from_le_bytes(frame[4 * index..4 * index + 4].try_into().expect("four"));
+    let cell = |frame: &[u8], index: usize| {
+        i32::from_le_bytes(frame[4 * index..4 * index + 4].try_into().expect("four"))
+    };
     let job = cell(&parts[0].0, 1);
     let (_, last) = parts.last().expect("a part");
     let elements = cell(last, 3) as usize;
@@ -411,7 +526,12 @@ fn messages_and_custom_data() {
         let Value::Array(data) = global(&machine, "MM_UserData") else {
             panic!("an array");
         };
-        assert_eq!(data[0].as_number(), Some(f64::from(first)), "{}", version.name);
+        assert_eq!(
+            data[0].as_number(),
+            Some(f64::from(first)),
+            "{}",
+            version.name
+        );
         assert_eq!(data[elements].as_number(), Some(0.0), "the rest is cleared");
     }
 }
@@ -419,27 +539,54 @@ fn messages_and_custom_data() {
 /// Both one-shot commands: what they send holds the arm, what they get is stored.
 #[test]
 fn one_shot_commands() {
-    for (text, code) in [(golden!("100_run_vision.txt"), 100u8), (golden!("200_run_viz.txt"), 200)] {
+    for (text, code) in [
+        (golden!("100_run_vision.txt"), 100u8),
+        (golden!("200_run_viz.txt"), 200),
+    ] {
         let success = if code == 100 { 1100u16 } else { 2100 };
-        let found = exchanges(text).into_iter().find(|(request, answer)| {
-            request[0] == code && answer[4..6] == success.to_le_bytes()
-        });
+        let found = exchanges(text)
+            .into_iter()
+            .find(|(request, answer)| request[0] == code && answer[4..6] == success.to_le_bytes());
         let one = [found.expect("a success")];
-        let cell = |index: usize| i32::from_le_bytes(one[0].0[4 * index..4 * index + 4].try_into().expect("four"));
-        let name = if code == 100 { "MM_Lite_Vis" } else { "MM_Lite_Viz" };
-        let statements = format!("{name} {},{},{},st,\\Pos_Num:=n,\\VisPos_Num:=v;", cell(1), cell(2), cell(3));
+        let cell = |index: usize| {
+            i32::from_le_bytes(one[0].0[4 * index..4 * index + 4].try_into().expect("four"))
+        };
+        let name = if code == 100 {
+            "MM_Lite_Vis"
+        } else {
+            "MM_Lite_Viz"
+        };
+        let statements = format!(
+            "{name} {},{},{},st,\\Pos_Num:=n,\\VisPos_Num:=v;",
+            cell(1),
+            cell(2),
+            cell(3)
+        );
         let count = i32::from_le_bytes(one[0].1[12..16].try_into().expect("four"));
         for version in VERSIONS {
             // The transcript's arm stands elsewhere: only the head is compared.
-            let mut machine = loaded(version.text, &format!("{}\n{statements}", match (version.each, version.status) {
-                (true, _) => "",
-                (_, true) => "MM_Open_Socket st;",
-                _ => "MM_Open_Socket;",
-            }));
+            let mut machine = loaded(
+                version.text,
+                &format!(
+                    "{}\n{statements}",
+                    match (version.each, version.status) {
+                        (true, _) => "",
+                        (_, true) => "MM_Open_Socket st;",
+                        _ => "MM_Open_Socket;",
+                    }
+                ),
+            );
             let mut system = FakeSystem::default();
             arm(&mut system);
-            system.replies.push_back((SimDuration::from_millis(5), one[0].1.clone()));
-            assert_eq!(run(&mut machine, &mut system), Step::Finished, "{:?}", system.trace);
+            system
+                .replies
+                .push_back((SimDuration::from_millis(5), one[0].1.clone()));
+            assert_eq!(
+                run(&mut machine, &mut system),
+                Step::Finished,
+                "{:?}",
+                system.trace
+            );
             assert_eq!(system.sent[0][..16], one[0].0[..16], "{}", version.name);
             same(&system.sent[0][16..40], &joints_cells(), version.name);
             assert_eq!(num(&machine, "st"), f64::from(success));
@@ -451,7 +598,10 @@ fn one_shot_commands() {
 }
 
 fn joints_cells() -> Vec<u8> {
-    [0.0f32, -20.0, 10.0, 0.0, 60.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect()
+    [0.0f32, -20.0, 10.0, 0.0, 60.0, 0.0]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect()
 }
 
 /// Answers of another byte order, of another command, in pieces, and none.
@@ -475,9 +625,17 @@ fn trouble_has_its_codes() {
         assert_eq!(state(good.1.clone()), 1101.0);
     }
     // Refused: an error in 1.x, a status in 2.x.
-    let refused = exchanges(golden!("103_switch_recipe.txt")).into_iter().find(|(_, a)| a[4..6] != 1107u16.to_le_bytes());
+    let refused = exchanges(golden!("103_switch_recipe.txt"))
+        .into_iter()
+        .find(|(_, a)| a[4..6] != 1107u16.to_le_bytes());
     let refused = [refused.expect("a refusal")];
-    let cell = |index: usize| i32::from_le_bytes(refused[0].0[4 * index..4 * index + 4].try_into().expect("four"));
+    let cell = |index: usize| {
+        i32::from_le_bytes(
+            refused[0].0[4 * index..4 * index + 4]
+                .try_into()
+                .expect("four"),
+        )
+    };
     let code = i32::from_le_bytes(refused[0].1[4..8].try_into().expect("four"));
     let name = format!("MM_Switch_Model {},{}", cell(1), cell(2));
     let (machine, _) = call(VERSIONS[2], &format!("{name},st;"), &refused);
@@ -515,7 +673,10 @@ fn calibration_is_driven_to_its_end() {
         let mut machine = loaded(&text, main);
         let mut system = FakeSystem::default();
         arm(&mut system);
-        system.replies = rounds.iter().map(|(_, answer)| (SimDuration::from_millis(5), answer.clone())).collect();
+        system.replies = rounds
+            .iter()
+            .map(|(_, answer)| (SimDuration::from_millis(5), answer.clone()))
+            .collect();
         let end = run(&mut machine, &mut system);
         assert_eq!(end, Step::Finished, "{} {:?}", version.name, system.trace);
         assert_eq!(system.sent.len(), rounds.len());
@@ -527,7 +688,13 @@ fn calibration_is_driven_to_its_end() {
         // To the start, then to every pose that was given, the last one included.
         assert_eq!(system.moves.len(), rounds.len() + 1, "{}", version.name);
         let last = system.trace.last().map(String::as_str);
-        assert!(system.trace.iter().any(|line| line == "MM: calibration finished"), "{last:?}");
+        assert!(
+            system
+                .trace
+                .iter()
+                .any(|line| line == "MM: calibration finished"),
+            "{last:?}"
+        );
     }
 }
 
@@ -543,9 +710,19 @@ fn calibration_tells_what_it_cannot_reach() {
     for version in VERSIONS {
         let statements = "MM_Calib 1,1,0;\nERROR\nIF ERRNO=MM_ERR_STATUS TRYNEXT;";
         let mut machine = loaded(version.text, statements);
-        let mut system = FakeSystem::default();
-        system.replies = [first.clone(), refusal.clone()].map(|reply| (SimDuration::from_millis(5), reply)).into();
-        assert_eq!(run(&mut machine, &mut system), Step::Finished, "{:?}", system.trace);
+        let replies = [first.clone(), refusal.clone()]
+            .map(|reply| (SimDuration::from_millis(5), reply))
+            .into();
+        let mut system = FakeSystem {
+            replies,
+            ..FakeSystem::default()
+        };
+        assert_eq!(
+            run(&mut machine, &mut system),
+            Step::Finished,
+            "{:?}",
+            system.trace
+        );
         assert_eq!(system.sent.len(), 2);
         assert_eq!(system.sent[1][4], 2, "state 2");
         assert!(system.moves.is_empty());
@@ -558,17 +735,32 @@ fn the_communication_test_tells_what_is_wrong() {
     let good = exchanges(golden!("901_get_state.txt")).remove(0).1;
     let result = |reply: Option<Vec<u8>>, connects: bool| {
         let main = "MODULE user\nPROC main()\nMM_Com_Test;\nENDPROC\nENDMODULE\n";
-        let sources = [SourceFile::new("t.mod", COM_TEST), SourceFile::new("u.mod", main)];
+        let sources = [
+            SourceFile::new("t.mod", COM_TEST),
+            SourceFile::new("u.mod", main),
+        ];
         let loaded = load(&sources, &[], "main");
-        let shown: Vec<_> = loaded.diagnostics.iter().map(|d| d.plain(&sources)).collect();
+        let shown: Vec<_> = loaded
+            .diagnostics
+            .iter()
+            .map(|d| d.plain(&sources))
+            .collect();
         assert!(shown.is_empty(), "{}", shown.join("\n"));
         let mut machine = Machine::new(loaded.program.expect("no errors"), "T_ROB1");
         let mut system = FakeSystem::default();
         if !connects {
             system.connect_after = None;
         }
-        system.replies = reply.into_iter().map(|reply| (SimDuration::from_millis(12), reply)).collect();
-        assert_eq!(run(&mut machine, &mut system), Step::Finished, "{:?}", system.trace);
+        system.replies = reply
+            .into_iter()
+            .map(|reply| (SimDuration::from_millis(12), reply))
+            .collect();
+        assert_eq!(
+            run(&mut machine, &mut system),
+            Step::Finished,
+            "{:?}",
+            system.trace
+        );
         if connects {
             assert_eq!(system.sent[0].len(), 64);
             assert_eq!(system.sent[0][..4], 901u32.to_le_bytes());
@@ -577,7 +769,12 @@ fn the_communication_test_tells_what_is_wrong() {
     };
     let (passed, trace) = result(Some(good.clone()), true);
     assert_eq!(passed, 0.0, "{trace:?}");
-    assert!(trace.iter().any(|line| line == "MM test: passed, status 1101"), "{trace:?}");
+    assert!(
+        trace
+            .iter()
+            .any(|line| line == "MM test: passed, status 1101"),
+        "{trace:?}"
+    );
     assert_eq!(result(None, false).0, 1.0);
     assert_eq!(result(None, true).0, 2.0);
     let mut swapped = good.clone();
