@@ -170,9 +170,9 @@ fn auto_signal(definition: &SignalDefinition) -> SignalSpec {
 
 /// A procedure that calls the event routines of START before the entry, as the controller does.
 fn starter(routines: &[&str], entry: &str) -> SourceFile {
-    let calls: String = routines.iter().map(|r| format!("    {r};\n")).collect();
+    let calls = routines.join(";\n    ");
     let text = format!(
-        "MODULE {STARTER}\n  PROC {STARTER}()\n{calls}    {entry};\n  ENDPROC\nENDMODULE\n"
+        "MODULE {STARTER}\n  PROC {STARTER}()\n    {calls};\n    {entry};\n  ENDPROC\nENDMODULE\n"
     );
     SourceFile::new("(event routines)", text)
 }
