@@ -2,6 +2,7 @@
 
 mod dialogs;
 mod files;
+mod free;
 mod harness;
 mod information;
 mod moves;
