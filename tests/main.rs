@@ -2,6 +2,7 @@
 
 mod counterfactuals;
 mod determinism;
+mod modules;
 mod runner;
 mod scenes;
 mod tidy;

@@ -11,6 +11,7 @@ use depal_vm::system::{Fault, ProgramLocation};
 use crate::free_motion::FreeMotion;
 use crate::mechanism::Mechanism;
 use crate::motion_queue::MotionQueue;
+use crate::path_events::Fired;
 use crate::signals::SignalTable;
 use crate::sockets::Sockets;
 use crate::{ControllerError, ControllerEvent, ControllerState, CrossConnection, SignalSpec};
@@ -207,6 +208,16 @@ impl Cabinet {
         for (at, name, value) in due {
             // The value was checked when the change was asked for.
             let _ = self.change(at, &name, value, false);
+        }
+    }
+
+    /// Sets an output whose place on the path was passed, before `end` or later.
+    pub(crate) fn pass(&mut self, fired: Fired, end: SimTime) {
+        if fired.at < end {
+            // The value was checked when the move was asked for.
+            let _ = self.change(fired.at, &fired.signal, fired.value, false);
+        } else {
+            self.later.push((fired.at, fired.signal, fired.value));
         }
     }
 

@@ -48,7 +48,7 @@ pub use builtins::built_in_names;
 pub use catalogue::{Page, explain, pages};
 pub use compile::types::SignalKind;
 pub use loading::{
-    Loaded, SignalDefinition, check, check_syntax, decode, load, load_with_auto_signals,
-    normal_form, program_list,
+    Loaded, SignalDefinition, check, check_syntax, check_with_signals, decode, load,
+    load_with_auto_signals, normal_form, program_list,
 };
 pub use rules::{OPEN_RULES, OpenRule};

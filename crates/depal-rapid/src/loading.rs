@@ -146,6 +146,11 @@ pub fn check(sources: &[SourceFile]) -> Loaded {
     load_with(sources, None, None)
 }
 
+/// As [`check`], but the signals of the cabinet are known: another name is an error.
+pub fn check_with_signals(sources: &[SourceFile], known_signals: &[SignalDefinition]) -> Loaded {
+    load_with(sources, Some(keyed(known_signals)), None)
+}
+
 fn load_with(
     sources: &[SourceFile],
     signals: Option<BTreeMap<String, (String, SignalKind)>>,

@@ -187,6 +187,8 @@ fn document(event: &ControllerEvent) -> Json {
             let dropped: Vec<u64> = dropped.iter().map(|id| id.0).collect();
             json!({"t_s": t, "event": "motion_stopped", "dropped": dropped, "reason": reason})
         }
+        ControllerEvent::MotionHeld { .. } => json!({"t_s": t, "event": "motion_held"}),
+        ControllerEvent::MotionResumed { .. } => json!({"t_s": t, "event": "motion_resumed"}),
         ControllerEvent::Log {
             kind,
             location,

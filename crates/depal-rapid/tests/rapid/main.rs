@@ -8,6 +8,7 @@ mod generate;
 mod interrupts;
 mod language;
 mod mistakes;
+mod modules;
 mod orientation;
 mod robustness;
 mod rules;
