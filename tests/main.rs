@@ -3,6 +3,7 @@
 mod counterfactuals;
 mod determinism;
 mod faults;
+mod modules;
 mod runner;
 mod scenes;
 mod tidy;

@@ -43,6 +43,9 @@ MODULE MM_Module
   ! Status code of the command executed last.
   VAR num MM_Last_Status:=0;
 
+  ! Whether each command opens and closes the connection itself.
+  LOCAL CONST bool MM_EACH_COMMAND:=FALSE;
+
   LOCAL CONST num MM_REQUEST_LEN:=64;
   LOCAL CONST num MM_REPLY_LEN:=660;
   LOCAL CONST num MM_MAX_POINTS:=100;
@@ -88,40 +91,13 @@ MODULE MM_Module
 
   ! Connects. Raises MM_ERR_COMM and leaves 3099 in MM_Last_Status if that fails.
   PROC MM_Open_Socket()
-    VAR bool failed:=FALSE;
-
-    IF MM_Connected MM_Close_Socket;
-    TryConnect failed;
-    IF failed THEN
-      MM_Last_Status:=MM_NOT_OPEN;
-      TPWrite "MM: no connection to "+MM_Address+" port "\Num:=MM_Port;
-      RAISE MM_ERR_COMM;
-    ENDIF
-    ClearRawBytes MM_Padding;
-    FOR i FROM 1 TO MM_REQUEST_LEN DIV 4 DO
-      PackRawBytes 0,MM_Padding,RawBytesLen(MM_Padding)+1\IntX:=DINT;
-    ENDFOR
-    MM_Connected:=TRUE;
-    MM_Last_Status:=0;
+    OpenLink;
+    IF NOT MM_Connected RAISE MM_ERR_COMM;
   ENDPROC
 
   ! Closes the connection; harmless if there is none.
   PROC MM_Close_Socket()
-    MM_Connected:=FALSE;
-    SocketClose MM_Socket;
-  ENDPROC
-
-  LOCAL PROC TryConnect(INOUT bool failed)
-    failed:=FALSE;
-    SocketCreate MM_Socket;
-    SocketConnect MM_Socket,MM_Address,MM_Port\Time:=MM_Timeout;
-  ERROR
-    IF ERRNO=ERR_SOCK_TIMEOUT OR ERRNO=ERR_SOCK_CLOSED THEN
-      failed:=TRUE;
-      SocketClose MM_Socket;
-      RETURN;
-    ENDIF
-    RAISE;
+    CloseLink;
   ENDPROC
 
   !--------------------------------------------------- vision project: 10x ---
@@ -438,46 +414,15 @@ MODULE MM_Module
   PROC MM_Get_DoList(num Resource)
     VAR num status;
 
-    FOR i FROM 1 TO 64 DO
-      MM_DoList{i}:=-1;
-    ENDFOR
-    IF Resource=0 THEN
-      BeginRequest 206;
-      Transact 206,status;
-      Demand status,2102;
-    ELSE
-      BeginRequest 106;
-      AddInt Resource;
-      Transact 106,status;
-      Demand status,1106;
-    ENDIF
-    FOR i FROM 1 TO 64 DO
-      MM_DoList{i}:=CellInt(2+i);
-    ENDFOR
+    FetchDoList Resource,0,status;
+    IF Resource=0 Demand status,2102;
+    IF Resource<>0 Demand status,1106;
   ENDPROC
 
   ! Switches on the listed DOs of one group of 16; others keep their value.
   ! DO number d is bit d MOD 16 (lowest first) of group d DIV 16 + 1.
   PROC MM_Set_DoList(num Serial,VAR signalgo Go16)
-    VAR num value;
-    VAR num power;
-    VAR num number;
-
-    value:=GOutput(Go16);
-    FOR i FROM 1 TO 64 DO
-      number:=MM_DoList{i};
-      IF number>=0 THEN
-        IF number DIV 16+1=Serial THEN
-          power:=1;
-          WHILE number MOD 16>0 DO
-            power:=power*2;
-            number:=number-1;
-          ENDWHILE
-          IF (value DIV power) MOD 2=0 value:=value+power;
-        ENDIF
-      ENDIF
-    ENDFOR
-    SetGO Go16,value;
+    SwitchOn 1,64,Serial,Go16;
   ENDPROC
 
   ! 601: the message of a notify step; 0 if none came within the server's time.
@@ -502,6 +447,7 @@ MODULE MM_Module
   ! 701: drives the robot through the poses of a hand-eye calibration.
   ! Move_Type 1 linear, 2 joint motion. Pos_Jps 1 flange poses, 2 joints.
   ! Wait_Time: seconds of rest before each capture. Ext: position of external axis a.
+  ! Connects for itself if nothing is open, and then closes again.
   ! Returns when the robot is back where it began; a pose that it cannot reach is
   ! reported to the server, and ends the calibration with MM_ERR_STATUS.
   PROC MM_Calib(num Move_Type,num Pos_Jps,num Wait_Time\num Ext)
@@ -511,7 +457,13 @@ MODULE MM_Module
     VAR robtarget pose;
     VAR jointtarget joints;
     VAR bool reachable;
+    VAR bool connects;
 
+    connects:=NOT (MM_Connected OR MM_EACH_COMMAND);
+    IF connects THEN
+      OpenLink;
+      IF NOT MM_Connected RAISE MM_ERR_COMM;
+    ENDIF
     WHILE done=0 DO
       BeginRequest 701;
       AddInt state;
@@ -553,6 +505,7 @@ MODULE MM_Module
         done:=0;
       ENDIF
     ENDWHILE
+    IF connects CloseLink;
   ENDPROC
 
   LOCAL PROC CheckReach(robtarget pose,INOUT bool reachable)
@@ -610,16 +563,60 @@ MODULE MM_Module
     AddReal EulerZYX(\X,flange.rot);
   ENDPROC
 
-  ! Sends the request and gathers one whole reply: TCP may deliver it in pieces.
+  ! Connects; MM_Connected tells, MM_Last_Status is 0 or 3099.
+  LOCAL PROC OpenLink()
+    VAR bool failed:=FALSE;
+
+    IF MM_Connected CloseLink;
+    TryConnect failed;
+    IF failed THEN
+      MM_Last_Status:=MM_NOT_OPEN;
+      TPWrite "MM: no connection to "+MM_Address+" port "\Num:=MM_Port;
+      RETURN;
+    ENDIF
+    ClearRawBytes MM_Padding;
+    FOR i FROM 1 TO MM_REQUEST_LEN DIV 4 DO
+      PackRawBytes 0,MM_Padding,RawBytesLen(MM_Padding)+1\IntX:=DINT;
+    ENDFOR
+    MM_Connected:=TRUE;
+    MM_Last_Status:=0;
+  ENDPROC
+
+  LOCAL PROC TryConnect(INOUT bool failed)
+    failed:=FALSE;
+    SocketCreate MM_Socket;
+    SocketConnect MM_Socket,MM_Address,MM_Port\Time:=MM_Timeout;
+  ERROR
+    IF ERRNO=ERR_SOCK_TIMEOUT OR ERRNO=ERR_SOCK_CLOSED THEN
+      failed:=TRUE;
+      SocketClose MM_Socket;
+      RETURN;
+    ENDIF
+    RAISE;
+  ENDPROC
+
+  LOCAL PROC CloseLink()
+    MM_Connected:=FALSE;
+    SocketClose MM_Socket;
+  ENDPROC
+
+  ! Sends the request and gathers its reply, on a connection of its own where each command has one.
   ! NoStatus: the second cell is a value, and MM_Last_Status is 0 if it came.
   LOCAL PROC Transact(num command,INOUT num status\switch NoStatus)
+    status:=MM_NOT_OPEN;
+    MM_Last_Status:=status;
+    IF MM_EACH_COMMAND OpenLink;
+    IF NOT MM_Connected RETURN;
+    Exchange command,status\NoStatus?NoStatus;
+    IF MM_EACH_COMMAND CloseLink;
+  ENDPROC
+
+  ! One request and one whole reply: TCP may deliver it in pieces.
+  LOCAL PROC Exchange(num command,INOUT num status\switch NoStatus)
     VAR rawbytes piece;
     VAR num got:=0;
     VAR num arrived:=0;
 
-    status:=MM_NOT_OPEN;
-    MM_Last_Status:=status;
-    IF NOT MM_Connected RETURN;
     got:=RawBytesLen(MM_Request);
     IF got<MM_REQUEST_LEN CopyRawBytes MM_Padding,1,MM_Request,got+1\NoOfBytes:=MM_REQUEST_LEN-got;
     got:=0;
@@ -634,7 +631,7 @@ MODULE MM_Module
     ! A server of the other byte order echoes the command as it was sent: look at the status, too.
     IF CellInt(1)<>command OR ((NOT Present(NoStatus)) AND (status<1 OR status>9999)) THEN
       status:=MM_WRONG_REPLY;
-      MM_Close_Socket;
+      CloseLink;
     ELSEIF Present(NoStatus) THEN
       MM_Last_Status:=0;
       RETURN;
@@ -648,9 +645,54 @@ MODULE MM_Module
     ELSE
       RAISE;
     ENDIF
-    MM_Close_Socket;
+    CloseLink;
     MM_Last_Status:=status;
     RETURN;
+  ENDPROC
+
+  ! 206 or 106; sections 0 asks for the list as it is. All slots are -1 if it does not come.
+  LOCAL PROC FetchDoList(num resource,num sections,INOUT num status)
+    FOR i FROM 1 TO 64 DO
+      MM_DoList{i}:=-1;
+    ENDFOR
+    IF resource=0 THEN
+      BeginRequest 206;
+      IF sections>0 AddInt sections;
+      Transact 206,status;
+      IF status<>2102 RETURN;
+    ELSE
+      BeginRequest 106;
+      AddInt resource;
+      IF sections>0 AddInt sections;
+      Transact 106,status;
+      IF status<>1106 RETURN;
+    ENDIF
+    FOR i FROM 1 TO 64 DO
+      MM_DoList{i}:=CellInt(2+i);
+    ENDFOR
+  ENDPROC
+
+  ! Switches on the DOs of some slots of the list that lie in one group of 16.
+  LOCAL PROC SwitchOn(num first,num last,num serial,VAR signalgo go16)
+    VAR num value;
+    VAR num power;
+    VAR num number;
+
+    value:=GOutput(go16);
+    FOR i FROM first TO last DO
+      number:=MM_DoList{i};
+      IF number>=0 THEN
+        IF number DIV 16+1=serial THEN
+          power:=1;
+          WHILE number MOD 16>0 DO
+            power:=power*2;
+            number:=number-1;
+          ENDWHILE
+          IF (value DIV power) MOD 2=0 value:=value+power;
+        ENDIF
+      ENDIF
+    ENDFOR
+    SetGO go16,value;
   ENDPROC
 
   ! For procedures without a status output: anything but success is raised.

@@ -336,6 +336,12 @@ impl Cell {
                 ControllerEvent::MotionStopped { reason, .. } => EventKind::Message {
                     text: format!("motion stopped: {reason}"),
                 },
+                ControllerEvent::MotionHeld { .. } => EventKind::Message {
+                    text: "motion held on its path".to_owned(),
+                },
+                ControllerEvent::MotionResumed { .. } => EventKind::Message {
+                    text: "motion goes on".to_owned(),
+                },
                 ControllerEvent::Answered {
                     instruction,
                     text,

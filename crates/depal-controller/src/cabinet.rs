@@ -11,6 +11,7 @@ use depal_vm::system::{Fault, ProgramLocation};
 use crate::free_motion::FreeMotion;
 use crate::mechanism::Mechanism;
 use crate::motion_queue::MotionQueue;
+use crate::path_events::Fired;
 use crate::signals::SignalTable;
 use crate::sockets::Sockets;
 use crate::{ControllerError, ControllerEvent, ControllerState, CrossConnection, SignalSpec};
@@ -103,6 +104,8 @@ pub struct Cabinet {
     pub(crate) state: ControllerState,
     /// End of the last cycle.
     pub(crate) cycle_end: SimTime,
+    /// End of the cycle under way.
+    pub(crate) cycle_limit: SimTime,
     /// When the next statement begins.
     pub(crate) cursor: SimTime,
     /// Place of the last statement, and the one told last.
@@ -163,6 +166,7 @@ impl Cabinet {
             statement_cost,
             state: ControllerState::Idle,
             cycle_end: SimTime::ZERO,
+            cycle_limit: SimTime::ZERO,
             cursor: SimTime::ZERO,
             statement: None,
             statement_told: None,
@@ -204,6 +208,16 @@ impl Cabinet {
         for (at, name, value) in due {
             // The value was checked when the change was asked for.
             let _ = self.change(at, &name, value, false);
+        }
+    }
+
+    /// Sets an output whose place on the path was passed, before `end` or later.
+    pub(crate) fn pass(&mut self, fired: Fired, end: SimTime) {
+        if fired.at < end {
+            // The value was checked when the move was asked for.
+            let _ = self.change(fired.at, &fired.signal, fired.value, false);
+        } else {
+            self.later.push((fired.at, fired.signal, fired.value));
         }
     }
 

@@ -60,8 +60,9 @@ impl Controller {
     pub fn tick(&mut self, now: SimTime, network: &mut dyn Network) {
         let end = now + TICK;
         self.cabinet.cursor = self.cabinet.cursor.max(now);
+        self.cabinet.cycle_limit = end;
         // A move that ends within this cycle is seen by the program in the next one only.
-        let moving = !self.cabinet.motion.is_standing(now);
+        let moving = !self.cabinet.motion.is_resting(now);
         self.cabinet.looked.set(moving);
         self.cabinet.waiting = false;
         self.cabinet.change_due(end);
@@ -69,7 +70,14 @@ impl Controller {
             run_task(&mut self.cabinet, task.as_mut(), end, network);
         }
         let cabinet = &mut self.cabinet;
-        cabinet.motion.advance(now, end, &mut cabinet.fresh);
+        if !cabinet.motion.is_resting(cabinet.cursor) {
+            // A move that begins and ends within this cycle is seen in the next one only.
+            cabinet.looked.set(true);
+        }
+        for fired in cabinet.motion.advance(now, end, &mut cabinet.fresh) {
+            cabinet.looked.set(true);
+            cabinet.pass(fired, end);
+        }
         cabinet.cycle_end = end;
         cabinet.publish();
     }
@@ -103,7 +111,7 @@ impl Controller {
             && cabinet.waiting
             && !cabinet.looked.get()
             && cabinet.later.is_empty()
-            && cabinet.motion.is_standing(cabinet.cycle_end)
+            && cabinet.motion.is_resting(cabinet.cycle_end)
     }
 
     /// What the task does.
@@ -200,7 +208,14 @@ fn run_task(
                 cabinet.waiting = true;
                 break;
             }
-            Step::Finished => (ControllerState::Finished, None),
+            // Queued moves are carried out, unless the program held them.
+            Step::Finished => (
+                ControllerState::Finished,
+                cabinet
+                    .motion
+                    .is_held()
+                    .then(|| "the program ended with its motion stopped".to_owned()),
+            ),
             Step::Stopped(reason) => {
                 let brakes = format!("the program stopped: {reason}");
                 (ControllerState::Stopped(reason), Some(brakes))

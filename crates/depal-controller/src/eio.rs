@@ -1,5 +1,4 @@
-use std::collections::BTreeMap;
-
+use crate::configuration::{ConfigurationError, Entry, entries, required};
 use crate::{CrossConnection, SignalKind, SignalSpec};
 
 /// What an I/O configuration file of a controller backup (EIO.cfg) says about signals.
@@ -11,131 +10,60 @@ pub struct EioConfiguration {
     pub connections: Vec<CrossConnection>,
 }
 
-/// What is wrong in an I/O configuration file.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {message}")]
-pub struct EioError {
-    /// Line where the entry begins, from 1.
-    pub line: usize,
-    /// What was expected and found.
-    pub message: String,
-}
-
-/// An entry: keys in lower case without the dash.
-struct Entry {
-    line: usize,
-    section: String,
-    fields: BTreeMap<String, String>,
-}
-
 impl EioConfiguration {
     /// Reads the text of an EIO.cfg. Sections other than `EIO_SIGNAL` and `EIO_CROSS` are passed over.
     ///
     /// # Errors
     /// All entries that cannot be understood.
-    pub fn parse(text: &str) -> Result<Self, Vec<EioError>> {
+    pub fn parse(text: &str) -> Result<Self, Vec<ConfigurationError>> {
         let mut read = Self::default();
+        let mut lines = std::collections::BTreeMap::new();
+        let mut connected = Vec::new();
         let mut errors = Vec::new();
-        for entry in entries(text) {
+        for entry in entries(text, "EIO")? {
             let result = match entry.section.as_str() {
-                "EIO_SIGNAL" => signal(&entry).map(|s| read.signals.push(s)),
-                "EIO_CROSS" => connection(&entry).map(|c| read.connections.push(c)),
+                "EIO_SIGNAL" => signal(&entry).and_then(|s| {
+                    let key = s.name.to_lowercase();
+                    if let Some(first) = lines.insert(key, entry.line) {
+                        return Err(format!(
+                            "signal {} is defined already in line {first}",
+                            s.name
+                        ));
+                    }
+                    read.signals.push(s);
+                    Ok(())
+                }),
+                "EIO_CROSS" => connection(&entry).map(|c| {
+                    connected.push(entry.line);
+                    read.connections.push(c);
+                }),
                 _ => Ok(()),
             };
             if let Err(message) = result {
-                errors.push(EioError {
+                errors.push(ConfigurationError {
                     line: entry.line,
                     message,
                 });
             }
         }
+        for (connection, line) in read.connections.iter().zip(connected) {
+            let actors = connection.actors.iter().map(|(name, _)| name);
+            for name in std::iter::once(&connection.result).chain(actors) {
+                if !lines.contains_key(&name.to_lowercase()) {
+                    errors.push(ConfigurationError {
+                        line,
+                        message: format!("the cross connection to {} names the signal {name}, which is not defined", connection.result),
+                    });
+                }
+            }
+        }
+        errors.sort_by_key(|error| error.line);
         if errors.is_empty() {
             Ok(read)
         } else {
             Err(errors)
         }
     }
-}
-
-/// The entries of all sections. A section begins with `NAME:`, `#` separates, a backslash at the end of a line
-/// continues the entry on the next one.
-fn entries(text: &str) -> Vec<Entry> {
-    let mut entries = Vec::new();
-    let mut section = String::new();
-    let mut lines = text.lines().enumerate();
-    while let Some((index, raw)) = lines.next() {
-        let mut line = raw.trim().to_owned();
-        while line.ends_with('\\') {
-            line.pop();
-            let Some((_, more)) = lines.next() else { break };
-            line.push(' ');
-            line.push_str(more.trim());
-        }
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        if !line.starts_with('-') {
-            if let Some((name, _)) = line.split_once(':') {
-                section = name.trim().to_uppercase();
-            }
-            continue;
-        }
-        entries.push(Entry {
-            line: index + 1,
-            section: section.clone(),
-            fields: fields(&line),
-        });
-    }
-    entries
-}
-
-/// `-Key "value"`, `-Key value` and `-Flag` (an empty value).
-fn fields(line: &str) -> BTreeMap<String, String> {
-    let mut words = Vec::new();
-    let mut characters = line.chars().peekable();
-    while let Some(c) = characters.peek().copied() {
-        if c.is_whitespace() {
-            characters.next();
-        } else if c == '"' {
-            characters.next();
-            let quoted: String = characters.by_ref().take_while(|c| *c != '"').collect();
-            words.push((true, quoted));
-        } else {
-            let mut word = String::new();
-            while let Some(c) = characters.next_if(|c| !c.is_whitespace()) {
-                word.push(c);
-            }
-            words.push((false, word));
-        }
-    }
-    let mut fields = BTreeMap::new();
-    let mut key: Option<String> = None;
-    for (quoted, word) in words {
-        let begins = !quoted
-            && word
-                .strip_prefix('-')
-                .is_some_and(|rest| rest.starts_with(|c: char| c.is_alphabetic()));
-        if begins {
-            if let Some(flag) = key.replace(word[1..].to_lowercase()) {
-                fields.entry(flag).or_default();
-            }
-        } else if let Some(key) = key.take() {
-            fields.insert(key, word);
-        }
-    }
-    if let Some(flag) = key {
-        fields.entry(flag).or_default();
-    }
-    fields
-}
-
-fn required<'a>(entry: &'a Entry, key: &str) -> Result<&'a str, String> {
-    entry
-        .fields
-        .get(&key.to_lowercase())
-        .map(String::as_str)
-        .filter(|value| !value.is_empty())
-        .ok_or_else(|| format!("the {} entry has no -{key}", entry.section))
 }
 
 fn signal(entry: &Entry) -> Result<SignalSpec, String> {

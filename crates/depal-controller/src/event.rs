@@ -72,6 +72,16 @@ pub enum ControllerEvent {
         /// Why.
         reason: String,
     },
+    /// The arm brakes on its path and the path is kept.
+    MotionHeld {
+        /// When it begins to brake.
+        at: SimTime,
+    },
+    /// The arm goes on along a path that was held.
+    MotionResumed {
+        /// When.
+        at: SimTime,
+    },
     /// A line for the operator or the event log.
     Log {
         /// When.
@@ -113,6 +123,8 @@ impl ControllerEvent {
             | Self::MoveReached { at, .. }
             | Self::CornerFailure { at, .. }
             | Self::MotionStopped { at, .. }
+            | Self::MotionHeld { at }
+            | Self::MotionResumed { at }
             | Self::Log { at, .. }
             | Self::Answered { at, .. }
             | Self::TaskEnded { at, .. } => *at,

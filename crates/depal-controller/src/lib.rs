@@ -28,29 +28,42 @@
 //!
 //! Units and frames: SI, radians, simulated time; poses in the robot base.
 //!
-//! Limitations: one task per cabinet; no signal delay; no speed override;
+//! Limitations: one task per cabinet; no signal delay; a speed override holds for the moves that follow;
+//! every stop on the path brakes as hard as the arm can;
 //! the servo follows exactly; a wait inside a task ends with the cycle, so it is 4 ms coarse.
 
 mod cabinet;
+mod configuration;
 mod controller;
 mod eio;
 mod error;
 mod event;
 mod free_motion;
+mod free_path;
 mod mechanism;
 mod motion_queue;
 mod network;
+mod path_events;
 mod signals;
+mod sio;
 mod sockets;
+mod sys;
 mod system;
+mod transcript;
 
 pub use cabinet::{Cabinet, ControllerSpec, FreeSpec};
+pub use configuration::{ConfigurationError, configuration_domain};
 pub use controller::Controller;
-pub use eio::{EioConfiguration, EioError};
+pub use eio::EioConfiguration;
 pub use error::ControllerError;
 pub use event::{ControllerEvent, ControllerState};
 pub use network::{Network, NoNetwork};
 pub use signals::{CrossConnection, Signal, SignalKind, SignalSpec};
+pub use sio::SioConfiguration;
+pub use sys::{EventRoutine, SysConfiguration, TaskModule, TaskSpec};
+pub use transcript::{
+    Exchange, RecordingNetwork, ReplayNetwork, Transcript, TranscriptError, TranscriptLine,
+};
 
 #[cfg(test)]
 mod tests;

@@ -4,11 +4,12 @@ use std::task::Poll;
 use depal_arm::Arm;
 use depal_frames::{JointPositions, Pose};
 use depal_time::SimTime;
-use depal_vm::system::{Fault, MoveId, MoveRequest};
+use depal_vm::system::{Fault, MoveId, MoveRequest, PathEvent};
 
 use crate::ControllerEvent;
 use crate::free_motion::{FreeMotion, free_forward, free_inverse};
 use crate::motion_queue::MotionQueue;
+use crate::path_events::Fired;
 
 /// What the cabinet moves: an arm with its queue, or a mechanism that reaches everything.
 #[derive(Debug, Clone)]
@@ -29,11 +30,73 @@ impl Mechanism {
         &mut self,
         now: SimTime,
         request: &MoveRequest,
+        along: &[PathEvent],
         events: &mut Vec<ControllerEvent>,
     ) -> Poll<Result<MoveId, Fault>> {
         match self {
-            Self::Arm(_, queue) => queue.start(now, request, events),
-            Self::Free(free) => free.start(now, request),
+            Self::Arm(_, queue) => queue.start(now, request, along, events),
+            Self::Free(free) => free.start(now, request, along),
+        }
+    }
+
+    pub fn is_begun(&self, now: SimTime, id: MoveId) -> bool {
+        match self {
+            Self::Arm(_, queue) => queue.is_begun(now, id),
+            Self::Free(free) => free.is_begun(now, id),
+        }
+    }
+
+    /// Whether the arm stands until the program does something: nothing is queued, or the path is held.
+    pub fn is_resting(&self, now: SimTime) -> bool {
+        match self {
+            Self::Arm(_, queue) => queue.is_resting(now),
+            Self::Free(free) => free.is_resting(now),
+        }
+    }
+
+    pub fn clear(&mut self, now: SimTime, reason: &str, events: &mut Vec<ControllerEvent>) {
+        match self {
+            Self::Arm(_, queue) => queue.clear(now, reason, events),
+            Self::Free(free) => free.clear(now, reason, events),
+        }
+    }
+
+    pub fn is_held(&self) -> bool {
+        match self {
+            Self::Arm(_, queue) => queue.is_held(),
+            Self::Free(free) => free.is_held(),
+        }
+    }
+
+    pub fn hold(&mut self, now: SimTime, events: &mut Vec<ControllerEvent>) -> Poll<()> {
+        match self {
+            Self::Arm(_, queue) => queue.hold(now, events),
+            Self::Free(free) => free.hold(now, events),
+        }
+    }
+
+    pub fn resume(&mut self, now: SimTime, events: &mut Vec<ControllerEvent>) {
+        match self {
+            Self::Arm(_, queue) => queue.resume(now, events),
+            Self::Free(free) => free.resume(now, events),
+        }
+    }
+
+    pub fn store(
+        &mut self,
+        now: SimTime,
+        events: &mut Vec<ControllerEvent>,
+    ) -> Poll<Result<(), Fault>> {
+        match self {
+            Self::Arm(_, queue) => queue.store(now, events).map(Ok),
+            Self::Free(free) => free.store(now, events).map(Ok),
+        }
+    }
+
+    pub fn restore(&mut self, now: SimTime) -> Result<(), Fault> {
+        match self {
+            Self::Arm(_, queue) => queue.restore(now),
+            Self::Free(free) => free.restore(now),
         }
     }
 
@@ -66,7 +129,13 @@ impl Mechanism {
         }
     }
 
-    pub fn advance(&mut self, begin: SimTime, end: SimTime, events: &mut Vec<ControllerEvent>) {
+    /// What the arm passes until `end`, by time.
+    pub fn advance(
+        &mut self,
+        begin: SimTime,
+        end: SimTime,
+        events: &mut Vec<ControllerEvent>,
+    ) -> Vec<Fired> {
         match self {
             Self::Arm(_, queue) => queue.advance(begin, end, events),
             Self::Free(free) => free.advance(begin, end, events),

@@ -6,10 +6,11 @@ use depal_frames::JointPositions;
 use depal_motion::{Interpolation, Segment, SegmentId, SegmentTarget, Speed, Trajectory, Zone};
 use depal_time::{SimDuration, SimTime};
 use depal_vm::system::{
-    Fault, MoveId, MoveKind, MoveRequest, MoveTarget, MoveZone, ProgramLocation,
+    Fault, MoveId, MoveKind, MoveRequest, MoveTarget, MoveZone, PathEvent, ProgramLocation,
 };
 
 use crate::ControllerEvent;
+use crate::path_events::{Fired, PathEvents};
 
 /// Accepted moves and the path that they make.
 #[derive(Debug, Clone)]
@@ -26,7 +27,27 @@ pub(crate) struct MotionQueue {
     alarm: Option<Alarm>,
     /// Corner failures already told.
     failures_told: usize,
+    /// Outputs along the way.
+    along: PathEvents,
+    /// The program holds the motion, with or without a path.
+    held: bool,
+    /// Paths put aside, the last one on top.
+    stored: Vec<StoredPath>,
+    /// Whether the motion was held when a path began to be put aside.
+    storing_held: Option<bool>,
 }
+
+/// A path that was put aside.
+#[derive(Debug, Clone)]
+struct StoredPath {
+    trajectory: Trajectory,
+    open: VecDeque<OpenMove>,
+    along: PathEvents,
+    held: bool,
+}
+
+/// How far beside the stored path the arm may stand when it is taken up again, radians.
+const BESIDE: f64 = 1e-3;
 
 #[derive(Debug, Clone)]
 struct OpenMove {
@@ -52,6 +73,10 @@ impl MotionQueue {
             broken: BTreeMap::new(),
             alarm: None,
             failures_told: 0,
+            along: PathEvents::default(),
+            held: false,
+            stored: Vec::new(),
+            storing_held: None,
         }
     }
 
@@ -60,6 +85,7 @@ impl MotionQueue {
         &mut self,
         now: SimTime,
         request: &MoveRequest,
+        along: &[PathEvent],
         events: &mut Vec<ControllerEvent>,
     ) -> Poll<Result<MoveId, Fault>> {
         if let Some(alarm) = self.alarm.take()
@@ -87,6 +113,11 @@ impl MotionQueue {
                 }));
             }
         };
+        self.along.add(&self.trajectory, along);
+        if self.held {
+            // What comes while the motion is held waits with it.
+            self.trajectory.hold(seconds);
+        }
         let failures = self.trajectory.corner_failures();
         for failed in &failures[self.failures_told..] {
             let known = self.open.iter().chain(&self.closed);
@@ -116,7 +147,115 @@ impl MotionQueue {
                 message: message.clone(),
             });
         }
+        let aside = self.stored.iter().flat_map(|path| &path.open);
+        if aside.into_iter().any(|open| open.id == id) {
+            return Ok(false);
+        }
         Ok(self.trajectory.is_done(SegmentId(id.0), now.as_secs_f64()))
+    }
+
+    pub fn is_begun(&self, now: SimTime, id: MoveId) -> bool {
+        let seconds = now.as_secs_f64();
+        let segment = SegmentId(id.0);
+        let start = self.trajectory.start_time(segment);
+        self.trajectory.is_done(segment, seconds) || start.is_some_and(|start| start <= seconds)
+    }
+
+    /// Stands, with nothing to do or with its path held.
+    pub fn is_resting(&self, now: SimTime) -> bool {
+        now.as_secs_f64() >= self.trajectory.stand_time()
+            && (self.held || !self.trajectory.is_held())
+    }
+
+    pub fn is_held(&self) -> bool {
+        self.held
+    }
+
+    /// Stops on the path; ready when the arm stands.
+    pub fn hold(&mut self, now: SimTime, events: &mut Vec<ControllerEvent>) -> Poll<()> {
+        if !self.held {
+            self.held = true;
+            if !self.is_standing(now) {
+                self.trajectory.hold(now.as_secs_f64());
+                events.push(ControllerEvent::MotionHeld { at: now });
+            }
+        }
+        if now.as_secs_f64() >= self.trajectory.stand_time() {
+            Poll::Ready(())
+        } else {
+            Poll::Pending
+        }
+    }
+
+    /// Goes on along the path.
+    pub fn resume(&mut self, now: SimTime, events: &mut Vec<ControllerEvent>) {
+        self.held = false;
+        if self.trajectory.is_held() {
+            self.trajectory.resume(now.as_secs_f64());
+            events.push(ControllerEvent::MotionResumed { at: now });
+        }
+    }
+
+    /// Puts the path aside; ready when the arm stands and that is done.
+    pub fn store(&mut self, now: SimTime, events: &mut Vec<ControllerEvent>) -> Poll<()> {
+        // Whether the program had stopped the motion itself, as it was when it first asked.
+        let was_held = *self.storing_held.get_or_insert(self.held);
+        if self.hold(now, events).is_pending() {
+            return Poll::Pending;
+        }
+        let beside = self.trajectory.beside(now.as_secs_f64());
+        self.stored.push(StoredPath {
+            trajectory: std::mem::replace(&mut self.trajectory, beside),
+            open: std::mem::take(&mut self.open),
+            along: std::mem::take(&mut self.along),
+            held: was_held,
+        });
+        self.storing_held = None;
+        self.held = false;
+        Poll::Ready(())
+    }
+
+    /// Takes up the path that was put aside last.
+    pub fn restore(&mut self, now: SimTime) -> Result<(), Fault> {
+        let seconds = now.as_secs_f64();
+        if !self.is_standing(now) {
+            return Err(Fault::NotThere {
+                message: "a way to take up a stored path while the arm moves".to_owned(),
+            });
+        }
+        let here = self.trajectory.sample(seconds);
+        let Some(stored) = self.stored.last() else {
+            return Err(Fault::NotThere {
+                message: "a stored path; call StorePath first".to_owned(),
+            });
+        };
+        let beside = stored.trajectory.sample(seconds).max_distance(&here);
+        if beside > BESIDE {
+            return Err(Fault::OutOfReach {
+                message: format!(
+                    "a joint is {:.2} degrees away from where the path was stored; move back there before RestoPath",
+                    beside.to_degrees()
+                ),
+            });
+        }
+        if let Some(mut stored) = self.stored.pop() {
+            stored.trajectory.count_on_from(&self.trajectory);
+            self.trajectory = stored.trajectory;
+            self.open = stored.open;
+            self.along = stored.along;
+            self.held = stored.held;
+            if !self.held {
+                self.trajectory.resume(seconds);
+            }
+        }
+        Ok(())
+    }
+
+    /// Drops the path that is held; the hold stays.
+    pub fn clear(&mut self, now: SimTime, reason: &str, events: &mut Vec<ControllerEvent>) {
+        let held = self.held;
+        self.stop(now, reason, events);
+        self.held = held;
     }
 
     pub fn is_standing(&self, now: SimTime) -> bool {
@@ -126,10 +265,12 @@ impl MotionQueue {
     /// Brakes and drops the queue.
     pub fn stop(&mut self, now: SimTime, reason: &str, events: &mut Vec<ControllerEvent>) {
         let seconds = now.as_secs_f64();
+        self.held = false;
         if self.open.is_empty() && self.is_standing(now) {
             return;
         }
         self.trajectory.stop(seconds);
+        self.along.clear();
         events.push(ControllerEvent::MotionStopped {
             at: now,
             dropped: self.open.drain(..).map(|m| m.id).collect(),
@@ -153,7 +294,14 @@ impl MotionQueue {
     }
 
     /// Reports what starts and ends until `end`, and forgets what lies before `begin`.
-    pub fn advance(&mut self, begin: SimTime, end: SimTime, events: &mut Vec<ControllerEvent>) {
+    /// What the path has for the outputs in between, by time.
+    pub fn advance(
+        &mut self,
+        begin: SimTime,
+        end: SimTime,
+        events: &mut Vec<ControllerEvent>,
+    ) -> Vec<Fired> {
+        let fired = self.along.due(&self.trajectory, begin, end);
         let instant = |seconds: f64| SimTime::ZERO + SimDuration::from_secs_f64(seconds);
         let until = end.as_secs_f64();
         for open in &mut self.open {
@@ -184,6 +332,7 @@ impl MotionQueue {
             self.closed = self.open.pop_front();
         }
         self.trajectory.forget_before(begin.as_secs_f64());
+        fired
     }
 
     pub fn joints(&self, now: SimTime) -> JointPositions {
@@ -208,6 +357,10 @@ fn segment(request: &MoveRequest) -> Segment {
         target: match &request.target {
             MoveTarget::Joints(joints) => SegmentTarget::Joints(*joints),
             MoveTarget::Tcp(pose) => SegmentTarget::Tcp(*pose),
+            MoveTarget::Arc { through, to } => SegmentTarget::Arc {
+                through: *through,
+                to: *to,
+            },
         },
         flange_from_tcp: request.flange_from_tcp,
         speed: Speed {
@@ -220,5 +373,6 @@ fn segment(request: &MoveRequest) -> Segment {
             MoveZone::Fine => Zone::Fine,
             MoveZone::Fly { tcp, orientation } => Zone::Fly { tcp, orientation },
         },
+        quarters: request.configuration,
     }
 }

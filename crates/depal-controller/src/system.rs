@@ -3,7 +3,7 @@ use std::task::Poll;
 use depal_frames::{JointPositions, Pose};
 use depal_time::{SimDuration, SimTime};
 use depal_vm::system::{
-    Fault, LogKind, MoveId, MoveRequest, ProgramLocation, Question, Received, SocketId,
+    Fault, LogKind, MoveId, MoveRequest, PathEvent, ProgramLocation, Question, Received, SocketId,
     SocketState, System,
 };
 
@@ -13,6 +13,22 @@ use crate::{Cabinet, ControllerEvent, Network};
 pub(crate) struct CabinetSystem<'a> {
     pub cabinet: &'a mut Cabinet,
     pub network: &'a mut dyn Network,
+}
+
+impl CabinetSystem<'_> {
+    /// Whether an output of this name can have this value.
+    fn check_output(&self, name: &str, value: f64) -> Result<(), Fault> {
+        let signal = self.cabinet.signals.get(name)?;
+        let checked = if signal.spec.kind.is_input() {
+            Err("is an input of the robot, the program cannot set it".to_owned())
+        } else {
+            signal.spec.kind.check(value)
+        };
+        checked.map_err(|message| Fault::SignalValue {
+            signal: name.to_owned(),
+            message,
+        })
+    }
 }
 
 impl System for CabinetSystem<'_> {
@@ -43,16 +59,7 @@ impl System for CabinetSystem<'_> {
         value: f64,
         delay: SimDuration,
     ) -> Result<(), Fault> {
-        let signal = self.cabinet.signals.get(name)?;
-        let checked = if signal.spec.kind.is_input() {
-            Err("is an input of the robot, the program cannot set it".to_owned())
-        } else {
-            signal.spec.kind.check(value)
-        };
-        checked.map_err(|message| Fault::SignalValue {
-            signal: name.to_owned(),
-            message,
-        })?;
+        self.check_output(name, value)?;
         let later = &mut self.cabinet.later;
         later.retain(|(_, other, _)| !other.eq_ignore_ascii_case(name));
         later.push((self.cabinet.cursor + delay, name.to_owned(), value));
@@ -60,10 +67,67 @@ impl System for CabinetSystem<'_> {
     }
 
     fn start_move(&mut self, request: &MoveRequest) -> Poll<Result<MoveId, Fault>> {
+        self.start_move_with_events(request, &[])
+    }
+
+    fn start_move_with_events(
+        &mut self,
+        request: &MoveRequest,
+        events: &[PathEvent],
+    ) -> Poll<Result<MoveId, Fault>> {
+        for event in events {
+            if let Err(fault) = self.check_output(&event.signal, event.value) {
+                return Poll::Ready(Err(fault));
+            }
+        }
         let cabinet = &mut *self.cabinet;
         cabinet
             .motion
-            .start(cabinet.cursor, request, &mut cabinet.fresh)
+            .start(cabinet.cursor, request, events, &mut cabinet.fresh)
+    }
+
+    fn is_move_begun(&self, id: MoveId) -> bool {
+        self.cabinet.motion.is_begun(self.cabinet.cursor, id)
+    }
+
+    fn hold_motion(&mut self) -> Poll<Result<(), Fault>> {
+        let cabinet = &mut *self.cabinet;
+        cabinet
+            .motion
+            .hold(cabinet.cursor, &mut cabinet.fresh)
+            .map(Ok)
+    }
+
+    fn resume_motion(&mut self) -> Result<(), Fault> {
+        let cabinet = &mut *self.cabinet;
+        cabinet.motion.resume(cabinet.cursor, &mut cabinet.fresh);
+        Ok(())
+    }
+
+    fn clear_path(&mut self) -> Result<(), Fault> {
+        let cabinet = &mut *self.cabinet;
+        if !cabinet.motion.is_resting(cabinet.cursor) {
+            return Err(Fault::NotThere {
+                message:
+                    "a path that may be cleared while the arm moves; stop it with StopMove first"
+                        .into(),
+            });
+        }
+        let reason = "the program clears the path";
+        cabinet
+            .motion
+            .clear(cabinet.cursor, reason, &mut cabinet.fresh);
+        Ok(())
+    }
+
+    fn store_path(&mut self) -> Poll<Result<(), Fault>> {
+        let cabinet = &mut *self.cabinet;
+        cabinet.motion.store(cabinet.cursor, &mut cabinet.fresh)
+    }
+
+    fn restore_path(&mut self) -> Result<(), Fault> {
+        let cabinet = &mut *self.cabinet;
+        cabinet.motion.restore(cabinet.cursor)
     }
 
     fn is_move_done(&self, id: MoveId) -> Result<bool, Fault> {
@@ -205,6 +269,25 @@ impl System for CabinetSystem<'_> {
         Ok(())
     }
 
+    fn append_file(&mut self, path: &str, bytes: &[u8]) -> Result<(), Fault> {
+        let file = self.cabinet.files.entry(path.to_owned()).or_default();
+        file.extend_from_slice(bytes);
+        Ok(())
+    }
+
+    fn remove_file(&mut self, path: &str) -> Result<(), Fault> {
+        match self.cabinet.files.remove(path) {
+            Some(_) => Ok(()),
+            None => Err(Fault::File {
+                message: format!("{path}: there is no such file in the program's folder"),
+            }),
+        }
+    }
+
+    fn file_names(&self) -> Vec<String> {
+        self.cabinet.files.keys().cloned().collect()
+    }
+
     fn log(&mut self, kind: LogKind, location: &ProgramLocation, text: &str) {
         self.cabinet.fresh.push(ControllerEvent::Log {
             at: self.cabinet.cursor,
@@ -212,6 +295,20 @@ impl System for CabinetSystem<'_> {
             location: location.clone(),
             text: text.to_owned(),
         });
+    }
+
+    fn spare_statements(&self) -> u32 {
+        let left = self
+            .cabinet
+            .cycle_limit
+            .saturating_since(self.cabinet.cursor);
+        let cost = self.cabinet.statement_cost.as_nanos().max(1);
+        u32::try_from(left.as_nanos().div_ceil(cost).saturating_sub(1)).unwrap_or(0)
+    }
+
+    fn statements_ran(&mut self, count: u32) {
+        let passed = self.cabinet.statement_cost.as_nanos() * u64::from(count);
+        self.cabinet.cursor += SimDuration::from_nanos(passed);
     }
 
     fn statement(&mut self, location: &ProgramLocation) {

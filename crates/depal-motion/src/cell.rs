@@ -128,6 +128,40 @@ impl Cell {
         self
     }
 
+    /// The same stretch, beginning later.
+    pub fn begun_at(mut self, from: f64) -> Self {
+        self.from = from;
+        self.measure();
+        self
+    }
+
+    /// When a parameter of the stretch is passed.
+    pub fn time_at(&self, parameter: f64) -> f64 {
+        if parameter >= self.to {
+            return self.law.end();
+        }
+        let way = (parameter - self.from).max(0.0);
+        let Law {
+            start,
+            duration,
+            rate,
+            acceleration,
+        } = self.law;
+        // Root of `way = rate t + acceleration t^2 / 2`, in the form that bears no acceleration.
+        let root = (rate * rate + 2.0 * acceleration * way).max(0.0).sqrt();
+        let t = if way == 0.0 {
+            0.0
+        } else {
+            2.0 * way / (rate + root)
+        };
+        start
+            + if t.is_finite() {
+                t.min(duration)
+            } else {
+                duration
+            }
+    }
+
     /// Parameter at a time.
     pub fn parameter(&self, time: f64) -> f64 {
         let t = (time - self.law.start).clamp(0.0, self.law.duration);

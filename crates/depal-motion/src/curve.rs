@@ -142,6 +142,11 @@ impl Curve {
         }
     }
 
+    /// Whether it rounds the corner between two segments.
+    pub fn is_corner(&self) -> bool {
+        matches!(self, Self::Corner { .. })
+    }
+
     /// Whether the second derivative is zero everywhere.
     pub fn is_straight(&self) -> bool {
         matches!(self, Self::Line { .. })

@@ -40,7 +40,7 @@ pub enum MotionError {
     },
     /// No inverse solution on the way of a linear move.
     #[error(
-        "the straight line leaves the reach or the joint limits after {travelled_mm:.1} of {length_mm:.1} mm, TCP at x {x_mm:.1}, y {y_mm:.1}, z {z_mm:.1} mm in the robot base"
+        "the straight or circular way leaves the reach or the joint limits after {travelled_mm:.1} of {length_mm:.1} mm, TCP at x {x_mm:.1}, y {y_mm:.1}, z {z_mm:.1} mm in the robot base"
     )]
     LineOutOfReach {
         /// Distance from the start of the line, mm.
@@ -56,7 +56,7 @@ pub enum MotionError {
     },
     /// The joints would have to jump on the way of a linear move: a singularity, or another arm configuration.
     #[error(
-        "joint {joint} would jump by {jump_deg:.1} deg after {travelled_mm:.1} of {length_mm:.1} mm of the straight line (singularity or change of arm configuration); use a joint move"
+        "joint {joint} would jump by {jump_deg:.1} deg after {travelled_mm:.1} of {length_mm:.1} mm of the way (singularity or change of arm configuration); use a joint move"
     )]
     LineJumps {
         /// From 1.
@@ -67,6 +67,28 @@ pub enum MotionError {
         travelled_mm: f64,
         /// Length of the line, mm.
         length_mm: f64,
+    },
+    /// The three points of an arc are too near to each other, or in line.
+    #[error(
+        "no arc goes through these three points: the nearest two are {shortest_mm:.3} mm apart (at least 0.1), the angle at the start is {angle_deg:.2} deg (at least 1)"
+    )]
+    NoCircle {
+        /// Shortest distance between two of them, mm.
+        shortest_mm: f64,
+        /// Angle at the start between the way to the point between and to the end, degrees.
+        angle_deg: f64,
+    },
+    /// The target can be reached, but not with its arm configuration.
+    #[error(
+        "the target cannot be reached in its configuration: joint {joint} would be at {found_deg:.2} deg, expected in quarter {quarter} ({lower} to {upper} deg)", lower = quarter * 90, upper = quarter * 90 + 90
+    )]
+    Configuration {
+        /// From 1.
+        joint: usize,
+        /// Where the joint would be, degrees.
+        found_deg: f64,
+        /// The quarter turn that the target asks for; 0 is 0 to 90 degrees.
+        quarter: i32,
     },
     /// A speed or fraction is not a positive number.
     #[error("{quantity} is {found}, expected a positive number")]

@@ -3,7 +3,7 @@
 //!
 //! A [`Trajectory`] is a growing path in joint space and the fastest law along it.
 //! Geometry: a joint move is a straight line in joint space; a linear move is a straight line of the tool centre
-//! point (TCP) with an even turn, brought to joints by inverse kinematics on a fine grid; a fly-by corner is a
+//! point (TCP), or an arc of it, with an even turn, brought to joints by inverse kinematics on a fine grid; a fly-by corner is a
 //! parabola in joint space (a cubic with the same hull where a neighbour is a linear move), tangent to both moves.
 //! Law: the path is cut into cells with constant path acceleration; a backward pass finds the highest speed from
 //! which the arm can still obey everything ahead, a forward pass takes the highest acceleration
@@ -24,6 +24,7 @@
 //!     flange_from_tcp: Pose::identity(),
 //!     speed: Speed { tcp: 2.0, orientation: 8.0, joint_fraction: 1.0, acceleration_fraction: 1.0 },
 //!     zone: Zone::Fine,
+//!     quarters: None,
 //! })?;
 //! let halfway = trajectory.sample(trajectory.duration() / 2.0);
 //! # let _ = halfway; Ok(()) }
@@ -37,15 +38,20 @@
 //! the TCP may leave the plane of two linear moves a little in their corner, which is blended in joint space.
 
 mod cell;
+mod circle;
 mod curve;
 mod error;
+mod hold;
+mod mark;
 mod point_to_point;
 mod segment;
 mod shape;
 mod timing;
 mod trajectory;
 
+pub use circle::Circle;
 pub use error::MotionError;
+pub use mark::{Along, Mark, MarkTime};
 pub use point_to_point::point_to_point_time;
 pub use segment::{Interpolation, Segment, SegmentId, SegmentTarget, Speed, Zone};
 pub use trajectory::Trajectory;

@@ -1,4 +1,4 @@
-use depal_frames::{JointPositions, Pose};
+use depal_frames::{JointPositions, Point, Pose};
 
 use crate::MotionError;
 
@@ -7,7 +7,7 @@ use crate::MotionError;
 pub enum Interpolation {
     /// A straight line in joint space: all joints start and end together.
     Joint,
-    /// A straight line of the TCP, the orientation turns evenly about one axis.
+    /// A straight line of the TCP, or an arc if the target is one; the orientation turns evenly about one axis.
     Linear,
 }
 
@@ -18,6 +18,13 @@ pub enum SegmentTarget {
     Joints(JointPositions),
     /// `base_from_tcp`; the inverse solution nearest to the end of the path before is taken.
     Tcp(Pose),
+    /// As `Tcp`, on the arc through a point; a joint move goes to its end.
+    Arc {
+        /// A point of the TCP path in the robot base, metres.
+        through: Point,
+        /// `base_from_tcp` at the end.
+        to: Pose,
+    },
 }
 
 /// Upper limits of the speed along a segment. All apply together, next to the joint limits of the arm.
@@ -85,6 +92,9 @@ pub struct Segment {
     pub speed: Speed,
     /// How it ends.
     pub zone: Zone,
+    /// Quarter turns that joints 1, 4 and 6 must stand in at the end of a move to a pose (0: 0 to 90 degrees,
+    /// -1: -90 to 0); `None` takes the solution nearest to the end of the path before.
+    pub quarters: Option<[i32; 3]>,
 }
 
 /// A segment of a trajectory, counted from 0 in the order of appending.

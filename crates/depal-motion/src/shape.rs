@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use depal_arm::Arm;
 use depal_frames::nalgebra::Translation3;
-use depal_frames::{JointPositions, Pose, Rotation};
+use depal_frames::{JointPositions, Point, Pose, Rotation, Vector};
 
 use crate::cell::CellLimits;
+use crate::circle::Circle;
 use crate::curve::{Curve, combine};
-use crate::{Interpolation, MotionError, Segment, SegmentTarget, Zone};
+use crate::{Along, Interpolation, MotionError, Segment, SegmentTarget, Zone};
 
 /// Joint travel per cell of a joint move, radians.
 const JOINT_STEP: f64 = 0.04;
@@ -56,9 +57,22 @@ impl Shape {
             (Interpolation::Joint, target) => {
                 let end = match target {
                     SegmentTarget::Joints(joints) => *joints,
-                    SegmentTarget::Tcp(base_from_tcp) => arm
-                        .inverse_nearest(&(base_from_tcp * tool.inverse()), start)
-                        .ok_or_else(|| out_of_reach(base_from_tcp))?,
+                    SegmentTarget::Tcp(base_from_tcp)
+                    | SegmentTarget::Arc {
+                        to: base_from_tcp, ..
+                    } => {
+                        let base_from_flange = base_from_tcp * tool.inverse();
+                        arm.inverse_nearest(&base_from_flange, start)
+                            .filter(|found| {
+                                segment
+                                    .quarters
+                                    .is_none_or(|q| off_quarters(found, q).is_none())
+                            })
+                            .map_or_else(
+                                || in_quarters(arm, start, &base_from_flange, segment),
+                                Ok,
+                            )?
+                    }
                 };
                 check_joints(arm, &end)?;
                 let delta = combine(&[1.0, -1.0], &[&end, start]);
@@ -72,14 +86,33 @@ impl Shape {
             }
             (Interpolation::Linear, target) => {
                 let base_from_tcp = match target {
-                    SegmentTarget::Tcp(base_from_tcp) => *base_from_tcp,
+                    SegmentTarget::Tcp(to) | SegmentTarget::Arc { to, .. } => *to,
                     SegmentTarget::Joints(joints) => {
                         check_joints(arm, joints)?;
                         arm.base_from_flange(joints) * tool
                     }
                 };
-                let joints = line(arm, start, &base_from_tcp, tool)?;
+                let circle = match target {
+                    SegmentTarget::Arc { through, .. } => {
+                        let begin = arm.base_from_flange(start) * tool;
+                        Some(Circle::through(
+                            &Point::from(begin.translation.vector),
+                            through,
+                            &Point::from(base_from_tcp.translation.vector),
+                        )?)
+                    }
+                    _ => None,
+                };
+                let joints = line(arm, start, &base_from_tcp, tool, circle.as_ref())?;
                 let end = joints[joints.len() - 1];
+                if let Some((joint, quarter)) = segment.quarters.and_then(|q| off_quarters(&end, q))
+                {
+                    return Err(MotionError::Configuration {
+                        joint,
+                        found_deg: end[joint - 1].to_degrees(),
+                        quarter,
+                    });
+                }
                 (Curve::through(joints), end)
             }
         };
@@ -103,6 +136,25 @@ impl Shape {
 
     fn last(&self) -> Node {
         self.nodes[self.nodes.len() - 1]
+    }
+
+    /// Parameter where the TCP has travelled so far, or has so far to go. A mere turn has no metres:
+    /// its end or its start.
+    pub fn parameter_at(&self, along: Along) -> f64 {
+        let Some(length) = self.length() else {
+            return match along {
+                Along::BeforeEnd(_) => 1.0,
+                Along::AfterStart(_) => 0.0,
+            };
+        };
+        let travelled = match along {
+            Along::BeforeEnd(distance) => length - distance,
+            Along::AfterStart(distance) => distance,
+        };
+        if travelled >= length {
+            return 1.0;
+        }
+        reached(&self.nodes, |n| n.tcp, travelled)
     }
 
     /// Length of the TCP path, metres; none if the tool only turns.
@@ -201,21 +253,28 @@ fn reached(nodes: &[Node], quantity: impl Fn(&Node) -> f64, value: f64) -> f64 {
     1.0
 }
 
-/// Joint positions on an even grid along a straight TCP line.
+/// Joint positions on an even grid along a straight TCP line, or along an arc; the orientation turns evenly.
 fn line(
     arm: &Arm,
     start: &JointPositions,
     base_from_target: &Pose,
     flange_from_tcp: &Pose,
+    circle: Option<&Circle>,
 ) -> Result<Vec<JointPositions>, MotionError> {
     let base_from_start = arm.base_from_flange(start) * flange_from_tcp;
     let way = base_from_target.translation.vector - base_from_start.translation.vector;
     let turn = (base_from_start.rotation.inverse() * base_from_target.rotation).scaled_axis();
-    let length = way.norm();
+    let length = circle.map_or_else(|| way.norm(), Circle::length);
+    let place = |share: f64| -> Vector {
+        circle.map_or_else(
+            || base_from_start.translation.vector + way * share,
+            |circle| circle.at(share),
+        )
+    };
     let tcp_from_flange = flange_from_tcp.inverse();
     let at = |share: f64| {
         Pose::from_parts(
-            Translation3::from(base_from_start.translation.vector + way * share),
+            Translation3::from(place(share)),
             base_from_start.rotation * Rotation::from_scaled_axis(turn * share),
         )
     };
@@ -268,6 +327,53 @@ fn line(
         }
         pieces *= 2;
     }
+}
+
+/// How far beside a quarter turn a joint still counts as in it, radians.
+const QUARTER_MARGIN: f64 = 1e-3;
+
+/// The first of joints 1, 4 and 6 that is not in its quarter turn (0: from 0 to 90 degrees), from 1, with its quarter.
+fn off_quarters(joints: &JointPositions, quarters: [i32; 3]) -> Option<(usize, i32)> {
+    use std::f64::consts::FRAC_PI_2;
+    [0, 3, 5]
+        .into_iter()
+        .zip(quarters)
+        .find(|(joint, quarter)| {
+            let lower = f64::from(*quarter) * FRAC_PI_2;
+            joints.get(*joint).is_some_and(|q| {
+                !(lower - QUARTER_MARGIN..=lower + FRAC_PI_2 + QUARTER_MARGIN).contains(q)
+            })
+        })
+        .map(|(joint, quarter)| (joint + 1, quarter))
+}
+
+/// The solution nearest to `start` of those in the quarter turns that the segment asks for.
+fn in_quarters(
+    arm: &Arm,
+    start: &JointPositions,
+    base_from_flange: &Pose,
+    segment: &Segment,
+) -> Result<JointPositions, MotionError> {
+    let solutions = arm.inverse(base_from_flange);
+    let Some(quarters) = segment.quarters.filter(|_| !solutions.is_empty()) else {
+        return Err(out_of_reach(&(base_from_flange * segment.flange_from_tcp)));
+    };
+    let nearest = |fits: &dyn Fn(&JointPositions) -> bool| {
+        solutions
+            .iter()
+            .filter(|found| fits(found))
+            .min_by(|a, b| a.max_distance(start).total_cmp(&b.max_distance(start)))
+            .copied()
+    };
+    nearest(&|found| off_quarters(found, quarters).is_none()).ok_or_else(|| {
+        let found = nearest(&|_| true).unwrap_or(*start);
+        let (joint, quarter) = off_quarters(&found, quarters).unwrap_or((1, quarters[0]));
+        MotionError::Configuration {
+            joint,
+            found_deg: found.get(joint - 1).copied().unwrap_or(0.0).to_degrees(),
+            quarter,
+        }
+    })
 }
 
 fn check_joints(arm: &Arm, joints: &JointPositions) -> Result<(), MotionError> {

@@ -19,21 +19,21 @@ const CORNER_CELLS: usize = 16;
 /// speed at `now`.
 #[derive(Debug, Clone)]
 pub struct Trajectory {
-    arm: Arc<Arm>,
-    cells: Vec<Cell>,
+    pub(crate) arm: Arc<Arm>,
+    pub(crate) cells: Vec<Cell>,
     /// Where the arm stands before the first of the cells.
     start: JointPositions,
     end: JointPositions,
-    next: u64,
-    last: Option<Last>,
-    corner_failures: Vec<SegmentId>,
+    pub(crate) next: u64,
+    pub(crate) last: Option<Last>,
+    pub(crate) corner_failures: Vec<SegmentId>,
 }
 
 /// The last segment, whose end may still become a corner.
 #[derive(Debug, Clone)]
-struct Last {
-    id: SegmentId,
-    shape: Shape,
+pub(crate) struct Last {
+    pub(crate) id: SegmentId,
+    pub(crate) shape: Shape,
     /// Rate in this segment's parameter over the rate at the end of what lies before it; 0 from a stand.
     entry_link: f64,
 }
@@ -197,7 +197,7 @@ impl Trajectory {
     }
 
     /// Divides the cell in progress at `now`; the index of the first cell that is not yet begun.
-    fn divide(&mut self, now: f64) -> usize {
+    pub(crate) fn divide(&mut self, now: f64) -> usize {
         const SLIVER: f64 = 1e-12;
         let begun = self.cells.partition_point(|cell| cell.law.start < now);
         let Some(i) = begun.checked_sub(1) else {

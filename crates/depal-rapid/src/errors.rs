@@ -3,7 +3,7 @@ use depal_vm::{MachineFault, RaisedError};
 
 /// Names of errors that programs compare ERRNO with. The numbers are ours: programs use the names;
 /// 1 to 90 belong to the user.
-pub(crate) const ERRORS: [(&str, i64); 45] = [
+pub(crate) const ERRORS: &[(&str, i64)] = &[
     ("ERR_DIVZERO", 1001),
     ("ERR_OUTOFBND", 1002),
     ("ERR_STRTOOLNG", 1003),
@@ -43,8 +43,16 @@ pub(crate) const ERRORS: [(&str, i64); 45] = [
     ("ERR_FILEACC", 1403),
     ("ERR_FILEOPEN", 1404),
     ("ERR_FILNOTFND", 1405),
+    ("ERR_FILEEXIST", 1406),
+    ("ERR_RCVDATA", 1407),
+    ("ERR_TP_MAXTIME", 1502),
+    ("ERR_TP_DIBREAK", 1503),
+    ("ERR_ALIASIO_DEF", 1308),
+    ("ERR_ALIASIO_TYPE", 1309),
     ("ERR_CALLPROC", 1013),
     ("ERR_WHLSEARCH", 1207),
+    ("ERR_SIGSUPSEARCH", 1208),
+    ("ERR_SPEED_REFRESH_LIM", 1209),
     ("ERR_ALRDYCNT", 1601),
     ("ERR_CNTNOTVAR", 1602),
     ("ERR_UNKINO", 1603),

@@ -26,13 +26,18 @@
 //! simulated time where they call the cabinet. Quaternions are `q1` (the scalar) to `q4`.
 //! num is a 32-bit float, dnum a 64-bit float; geometry is computed in f64 and stored as num.
 //!
-//! Limitations: one task; no interrupts, UNDO, late binding; of two inverse solutions the nearest is taken
+//! Every message has a page ([`explain`], `docs/diagnostics.md`), every instruction a row in
+//! `docs/instructions.md`, and what the manuals leave open is in `docs/open-rules.md`; all three are made from
+//! the code.
+//!
+//! Limitations: one task; a call by name takes no optional arguments; BACKWARD is read and never run; of two inverse solutions the nearest is taken
 //! whatever the configuration data of a target say (as with ConfL and ConfJ off); external axes, stationary
 //! tools and coordinated work objects are refused. `built_in_names` lists what is there.
 //!
 //! Not affiliated with any vendor; RAPID is a language of ABB.
 
 mod builtins;
+mod catalogue;
 mod compile;
 mod errors;
 mod loading;
@@ -40,8 +45,10 @@ mod rules;
 mod syntax;
 
 pub use builtins::built_in_names;
+pub use catalogue::{Page, explain, pages};
 pub use compile::types::SignalKind;
 pub use loading::{
-    Loaded, SignalDefinition, check, check_syntax, decode, load, load_with_auto_signals,
-    program_list,
+    Loaded, SignalDefinition, check, check_syntax, check_with_signals, decode, load,
+    load_with_auto_signals, normal_form, program_list,
 };
+pub use rules::{OPEN_RULES, OpenRule};

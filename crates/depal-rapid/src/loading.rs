@@ -7,6 +7,7 @@ use crate::SignalKind;
 use crate::builtins::Table;
 use crate::compile::{compile, undefined_signals};
 use crate::syntax::parser::parse;
+use crate::syntax::print::print;
 use crate::syntax::tree::Module;
 
 /// Most messages that are worth reading at once.
@@ -67,6 +68,18 @@ pub fn check_syntax(sources: &[SourceFile]) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     parse_all(sources, &mut diagnostics);
     sorted(diagnostics)
+}
+
+/// The modules of a text in one normal form: layout, parentheses and numbers as we write them, without comments.
+/// It reads as the same program. What is wrong with the text, if it does not read.
+pub fn normal_form(source: &SourceFile) -> Result<String, Vec<Diagnostic>> {
+    let mut diagnostics = Vec::new();
+    let modules = parse(0, &source.text, &mut diagnostics);
+    if diagnostics.is_empty() {
+        Ok(print(&modules))
+    } else {
+        Err(sorted(diagnostics))
+    }
 }
 
 /// The text of a module file: UTF-8, with or without a byte order mark, else Windows-1252.
@@ -133,6 +146,11 @@ pub fn check(sources: &[SourceFile]) -> Loaded {
     load_with(sources, None, None)
 }
 
+/// As [`check`], but the signals of the cabinet are known: another name is an error.
+pub fn check_with_signals(sources: &[SourceFile], known_signals: &[SignalDefinition]) -> Loaded {
+    load_with(sources, Some(keyed(known_signals)), None)
+}
+
 fn load_with(
     sources: &[SourceFile],
     signals: Option<BTreeMap<String, (String, SignalKind)>>,
@@ -145,6 +163,10 @@ fn load_with(
     diagnostics.extend(found);
     let mut diagnostics = sorted(diagnostics);
     let failed = diagnostics.iter().any(|d| d.severity == Severity::Error);
+    if failed {
+        // What could not be read may be what uses the module.
+        diagnostics.retain(|d| d.code != "RAPID0120");
+    }
     if diagnostics.len() > DIAGNOSTIC_LIMIT {
         let more = diagnostics.len() - DIAGNOSTIC_LIMIT;
         let last = diagnostics[DIAGNOSTIC_LIMIT].primary.span;

@@ -13,6 +13,14 @@ MODULE predefined(SYSMODULE)
   RECORD tooldata bool robhold; pose tframe; loaddata tload; ENDRECORD
   RECORD wobjdata bool robhold; bool ufprog; string ufmec; pose uframe; pose oframe; ENDRECORD
 
+  ! What TriggIO and TriggEquip define: kind (0 not yet), distance in mm, lead and delay in s, output, value.
+  RECORD triggdata num kind; num distance; num lead; num delay; string output; dnum level; ENDRECORD
+  ! A file: its path in the program's folder, what it is open for (0 not open, 1 to read, 2 to write), the position.
+  RECORD iodev string path; dnum purpose; dnum position; ENDRECORD
+  RECORD listitem string image; string text; ENDRECORD
+  RECORD inposdata num position; num speed; num mintime; num maxtime; ENDRECORD
+  RECORD stoppointdata num type; bool progsynch; inposdata inpos; num stoptime; num followtime; string signal; num relation; num checkvalue; ENDRECORD
+
   CONST loaddata load0 := [0.001,[0,0,0.001],[1,0,0,0],0,0,0];
   PERS tooldata tool0 := [TRUE,[[0,0,0],[1,0,0,0]],[0.001,[0,0,0.001],[1,0,0,0],0,0,0]];
   PERS wobjdata wobj0 := [FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
@@ -60,9 +68,22 @@ MODULE predefined(SYSMODULE)
   CONST zonedata z150 := [FALSE,150,225,225,23,225,23];
   CONST zonedata z200 := [FALSE,200,300,300,30,300,30];
 
+  CONST num inpos := 1;
+  CONST num stoptime := 2;
+  CONST num fllwtime := 3;
+  CONST stoppointdata inpos20 := [1,TRUE,[20,20,0,20],0,0,"",0,0];
+  CONST stoppointdata inpos50 := [1,TRUE,[50,50,0,2],0,0,"",0,0];
+  CONST stoppointdata inpos100 := [1,TRUE,[100,100,0,1],0,0,"",0,0];
+  CONST stoppointdata stoptime0_5 := [2,FALSE,[0,0,0,0],0.5,0,"",0,0];
+  CONST stoppointdata stoptime1_0 := [2,FALSE,[0,0,0,0],1,0,"",0,0];
+  CONST stoppointdata stoptime1_5 := [2,FALSE,[0,0,0,0],1.5,0,"",0,0];
+
   CONST num pi := 3.14159265358979;
   CONST num WAIT_MAX := 8388608;
-  CONST num EOF_NUM := 9999;
+  CONST num EOF_NUM := 9.998E36;
+  CONST num EOF_BIN := -1;
+  CONST string EOF := "EOF";
+  CONST string stEmpty := "";
   CONST num high := 1;
   CONST num low := 0;
   CONST num edge := 2;
@@ -71,6 +92,39 @@ MODULE predefined(SYSMODULE)
   CONST string STR_WHITE := " ";
   CONST string STR_UPPER := "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
   CONST string STR_LOWER := "abcdefghijklmnopqrstuvwxyz";
+
+  CONST num iconNone := 0;
+  CONST num iconInfo := 1;
+  CONST num iconWarning := 2;
+  CONST num iconError := 3;
+  CONST num btnNone := -1;
+  CONST num btnOK := 0;
+  CONST num btnAbrtRtryIgn := 1;
+  CONST num btnOKCancel := 2;
+  CONST num btnRetryCancel := 3;
+  CONST num btnYesNo := 4;
+  CONST num btnYesNoCancel := 5;
+  CONST num resUnkwn := 0;
+  CONST num resOK := 1;
+  CONST num resAbort := 2;
+  CONST num resRetry := 3;
+  CONST num resIgnore := 4;
+  CONST num resCancel := 5;
+  CONST num resYes := 6;
+  CONST num resNo := 7;
+  CONST num TP_LATEST := 1;
+  CONST num TP_PROGRAM := 2;
+  CONST num TP_SCREENVIEWER := 3;
+  CONST num OP_UNDEF := 0;
+  CONST num OP_AUTO := 1;
+  CONST num OP_MAN_PROG := 2;
+  CONST num OP_MAN_TEST := 3;
+  CONST num RUN_UNDEF := 0;
+  CONST num RUN_CONT_CYCLE := 1;
+  CONST num RUN_INSTR_FWD := 2;
+  CONST num RUN_INSTR_BWD := 3;
+  CONST num RUN_SIM := 4;
+  CONST num RUN_STEP_MOVE := 5;
 
   CONST num USINT := 1;
   CONST num UINT := 2;

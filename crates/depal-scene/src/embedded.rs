@@ -12,6 +12,14 @@ const FILES: &[(&str, &str)] = &[
         include_str!("../../../assets/rapid/MM_Module.mod"),
     ),
     (
+        "assets/rapid/MM_Module_1_7.mod",
+        include_str!("../../../assets/rapid/MM_Module_1_7.mod"),
+    ),
+    (
+        "assets/rapid/MM_Module_2_x.mod",
+        include_str!("../../../assets/rapid/MM_Module_2_x.mod"),
+    ),
+    (
         "urdf/abb_irb6700_150_320.urdf",
         include_str!("../../../urdf/abb_irb6700_150_320.urdf"),
     ),

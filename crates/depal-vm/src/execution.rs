@@ -1,5 +1,9 @@
 //! The border between whatever runs as a robot task (the virtual machine, a PLC sequence) and the cabinet.
 
+use std::fmt::Write;
+
+use depal_time::SimTime;
+
 use crate::system::{ProgramLocation, System};
 
 /// What one step of a task did.
@@ -28,9 +32,49 @@ pub struct RuntimeError {
     pub call_stack: Vec<ProgramLocation>,
 }
 
-/// A task that the controller drives: one statement at a time, never blocking.
+impl RuntimeError {
+    /// The lines that an operator reads: `MODULE/ROUTINE:LINE: NAME: message`, then where that was called from,
+    /// innermost first, then the task and the simulated time `at` which it happened.
+    pub fn report(&self, at: SimTime) -> String {
+        let inner = self.call_stack.first().cloned().unwrap_or_default();
+        let message = match self.name.as_str() {
+            "" => self.message.clone(),
+            name => format!("{name}: {}", self.message),
+        };
+        let mut text = format!(
+            "{}/{}:{}: {}",
+            inner.module,
+            inner.routine,
+            inner.line,
+            message.replace(['\n', '\r'], " ")
+        );
+        let callers = self.call_stack.get(1..).unwrap_or_default();
+        for same in callers.chunk_by(|a, b| a == b) {
+            let caller = &same[0];
+            let times = match same.len() {
+                1 => String::new(),
+                times => format!(", {times} times"),
+            };
+            let _ = write!(
+                text,
+                "\n  called from {}/{}:{}{times}",
+                caller.module, caller.routine, caller.line
+            );
+        }
+        let _ = write!(
+            text,
+            "\n  task {} at {:.3} s of simulated time",
+            inner.task,
+            at.as_secs_f64()
+        );
+        text
+    }
+}
+
+/// A task that the controller drives: a statement at a time, never blocking.
 pub trait RobotTask {
-    /// Runs at most one statement.
+    /// Runs at most one statement, or, if they ask nothing of the cabinet, as many more as it
+    /// [has time for](System::spare_statements).
     fn step(&mut self, system: &mut dyn System) -> Step;
     /// Where the program pointer stands.
     fn location(&self) -> ProgramLocation;

@@ -33,6 +33,10 @@
 //! Units: times are simulated times; numbers wear the units of their language (millimetres and degrees in
 //! most), the built-ins of the language crate convert to SI at the [`System`](system::System) border.
 //!
+//! Statements of 32-bit numbers, truth values, jumps and counting loops have a second, faster form that the
+//! machine makes for itself; a cabinet that grants [spare statements](system::System::spare_statements) gets them
+//! in batches. What they do, and when, is the same.
+//!
 //! Limitations: one task; a statement is the smallest step.
 
 mod builtin;
@@ -42,6 +46,7 @@ pub mod execution;
 mod machine;
 mod memory;
 mod operators;
+mod plain;
 mod program;
 mod span;
 pub mod system;
@@ -53,7 +58,7 @@ pub use error::{MachineFault, RaisedError};
 pub use machine::Machine;
 pub use memory::{Frame, Interrupt, Interrupts, Memory, Trigger};
 pub use operators::{BinaryOp, UnaryOp};
-pub use program::{CallParameter, ErrorHandler, LanguageRules, Op, Program, Routine};
+pub use program::{CallParameter, ErrorHandler, ErrorNumber, LanguageRules, Op, Program, Routine};
 pub use span::{LineColumn, SourceFile, Span};
 pub use value::{ClockState, RAW_BYTES_LIMIT, RawBytes, Reference, Root, Value};
 

@@ -100,9 +100,9 @@ pub struct Frame {
     pub(crate) operands: Vec<Value>,
     pub(crate) statement: u32,
     pub(crate) next: u32,
-    pub(crate) pending: Option<PendingCall>,
+    pub(crate) pending: Option<Box<PendingCall>>,
     pub(crate) wait_started: Option<SimTime>,
-    pub(crate) handling: Option<Handling>,
+    pub(crate) handling: Option<Box<Handling>>,
     pub(crate) retries: u32,
     pub(crate) retried_statement: Option<u32>,
     /// Number of the interrupt whose routine this is.

@@ -65,7 +65,7 @@ pub enum Op {
     /// Puts whether an optional parameter was given.
     IsPresent(u32),
     /// Begins a counting loop: takes the step (if `stepped`), the end and the start.
-    /// Without a step it is +1, or -1 if the start is above the end.
+    /// Without a step it is +1, or -1 if the start is above the end and the language's rules say so.
     ForBegin {
         /// Slot of the loop variable; the next two slots hold end and step.
         slot: u32,
@@ -144,13 +144,24 @@ pub enum Op {
     Stop(String),
 }
 
+/// An error that an error clause takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorNumber {
+    /// This one.
+    Number(i64),
+    /// The one whose number this global holds when the error comes.
+    Global(u32),
+    /// The one whose number this local of the routine holds when the error comes.
+    Local(u32),
+}
+
 /// The error clause of a routine.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ErrorHandler {
     /// Where its code begins.
     pub entry: u32,
     /// The errors it takes; `None` takes all.
-    pub numbers: Option<Vec<i64>>,
+    pub numbers: Option<Vec<ErrorNumber>>,
 }
 
 /// What a call by name must know of a parameter.
@@ -196,6 +207,8 @@ pub struct LanguageRules {
     pub retry_limit: u32,
     /// Most routine calls inside each other.
     pub recursion_limit: usize,
+    /// Whether a counting loop without a step counts down when its start is above its end.
+    pub for_counts_down: bool,
 }
 
 impl Default for LanguageRules {
@@ -210,6 +223,7 @@ impl Default for LanguageRules {
             string_limit: usize::MAX,
             retry_limit: 4,
             recursion_limit: 200,
+            for_counts_down: true,
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use std::task::Poll;
 
-use depal_frames::{JointPositions, Pose};
+use depal_frames::{JointPositions, Point, Pose};
 use depal_time::{SimDuration, SimTime};
 
 /// Where in the user's program something was asked for.
@@ -35,7 +35,7 @@ pub struct MoveId(pub u64);
 pub enum MoveKind {
     /// All joints start and end together, the path between is not a line (MoveAbsJ, MoveJ, PTP).
     Joint,
-    /// The TCP travels a straight line, the orientation turns evenly (MoveL, LIN).
+    /// The TCP travels a straight line, or the arc that the target is; the orientation turns evenly (MoveL, MoveC).
     Linear,
 }
 
@@ -45,8 +45,15 @@ pub enum MoveTarget {
     /// Joint positions, radians, URDF order.
     Joints(JointPositions),
     /// A pose of the tool centre point in the robot base. Among the inverse solutions the one
-    /// nearest to the end of the move before is taken.
+    /// nearest to the end of the move before is taken, unless the move asks for a configuration.
     Tcp(Pose),
+    /// As `Tcp`, on the arc through a point.
+    Arc {
+        /// A point of the way in the robot base, metres.
+        through: Point,
+        /// The end.
+        to: Pose,
+    },
 }
 
 /// Programmed speed, before override.
@@ -89,8 +96,35 @@ pub struct MoveRequest {
     pub zone: MoveZone,
     /// `flange_from_tcp` of the tool in use.
     pub flange_from_tcp: Pose,
+    /// Quarter turns in which joints 1, 4 and 6 must stand at a pose (0: 0 to 90 degrees, -1: -90 to 0);
+    /// `None` takes the nearest solution. A cabinet without an arm has none to choose from.
+    pub configuration: Option<[i32; 3]>,
     /// The instruction.
     pub location: ProgramLocation,
+}
+
+/// A place along a move, by TCP path length in metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PathPlace {
+    /// So far before its end; the end of a fly-by move is the middle of its corner.
+    BeforeEnd(f64),
+    /// So far after its start.
+    AfterStart(f64),
+}
+
+/// A signal that is set when the arm passes a place of a move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathEvent {
+    /// Where.
+    pub place: PathPlace,
+    /// How long before the arm gets there.
+    pub lead: SimDuration,
+    /// How long after that (a delay of the output alone).
+    pub delay: SimDuration,
+    /// The output.
+    pub signal: String,
+    /// Its new value.
+    pub value: f64,
 }
 
 /// What the cabinet refuses or reports; a language maps it to its own error values.
@@ -250,6 +284,54 @@ pub trait System {
             message: format!("pulses on signal {name}"),
         })
     }
+    /// As [`start_move`](Self::start_move), with outputs that are set along the way.
+    fn start_move_with_events(
+        &mut self,
+        request: &MoveRequest,
+        events: &[PathEvent],
+    ) -> Poll<Result<MoveId, Fault>> {
+        if events.is_empty() {
+            return self.start_move(request);
+        }
+        Poll::Ready(Err(Fault::NotThere {
+            message: "outputs that are set along the way".into(),
+        }))
+    }
+    /// Whether the arm has begun with a move: the corner before it is behind.
+    fn is_move_begun(&self, id: MoveId) -> bool {
+        let _ = id;
+        true
+    }
+    /// Stops the arm on its path and keeps the path. Ready when it stands. Calling it again does no harm.
+    fn hold_motion(&mut self) -> Poll<Result<(), Fault>> {
+        Poll::Ready(Err(Fault::NotThere {
+            message: "a motion that can be held".into(),
+        }))
+    }
+    /// The arm goes on along the path that was held.
+    fn resume_motion(&mut self) -> Result<(), Fault> {
+        Err(Fault::NotThere {
+            message: "a motion that can be held".into(),
+        })
+    }
+    /// Drops the path that is held, and the hold.
+    fn clear_path(&mut self) -> Result<(), Fault> {
+        Err(Fault::NotThere {
+            message: "a motion that can be held".into(),
+        })
+    }
+    /// Puts the path aside, so that other moves can be made meanwhile. Ready when the arm stands.
+    fn store_path(&mut self) -> Poll<Result<(), Fault>> {
+        Poll::Ready(Err(Fault::NotThere {
+            message: "paths that can be put aside".into(),
+        }))
+    }
+    /// Takes up the path that was put aside last; the arm must stand where it left it.
+    fn restore_path(&mut self) -> Result<(), Fault> {
+        Err(Fault::NotThere {
+            message: "paths that can be put aside".into(),
+        })
+    }
     /// Binds a created socket to a port of this cabinet.
     fn socket_bind(&mut self, socket: SocketId, address: &str, port: u16) -> Result<(), Fault> {
         let _ = (socket, address, port);
@@ -288,6 +370,34 @@ pub trait System {
         Err(Fault::File {
             message: format!("{path}: this cabinet has no files"),
         })
+    }
+
+    /// How many statements beside the one that begins now fit into this cycle. A task may run so many, if they
+    /// ask nothing of the cabinet, in the same step, and tells with [`statements_ran`](Self::statements_ran).
+    /// A cabinet that says 0, as by default, sees each statement.
+    fn spare_statements(&self) -> u32 {
+        0
+    }
+    /// So many statements ran that asked nothing of the cabinet; the time of each has passed. The statement under
+    /// way is not among them.
+    fn statements_ran(&mut self, count: u32) {
+        let _ = count;
+    }
+    /// Adds to the end of a file in the program's folder; a file that is not there is made.
+    fn append_file(&mut self, path: &str, bytes: &[u8]) -> Result<(), Fault> {
+        let mut all = self.read_file(path).unwrap_or_default();
+        all.extend_from_slice(bytes);
+        self.write_file(path, &all)
+    }
+    /// Removes a file from the program's folder.
+    fn remove_file(&mut self, path: &str) -> Result<(), Fault> {
+        Err(Fault::File {
+            message: format!("{path}: this cabinet has no files"),
+        })
+    }
+    /// Paths of all files in the program's folder; a folder without files ends in a slash.
+    fn file_names(&self) -> Vec<String> {
+        Vec::new()
     }
 
     /// A line for the operator or the event log.

@@ -8,8 +8,12 @@ use depal_scene::Scene;
 use depal_vm::{Severity, SourceFile};
 
 use crate::diagnostics::draw;
+use crate::exec::definition;
 use crate::failure::Failure;
 use crate::run::explain;
+use crate::task_folder::{
+    ControllerFiles, TaskFiles, extension, is_module, read_configuration, told,
+};
 
 /// Accelerations with which a bare URDF is checked, rad/s2; the value does not matter.
 const NOMINAL_ACCELERATION: f64 = 1.0;
@@ -54,30 +58,37 @@ impl Verdict {
 pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Failure> {
     let mut verdicts = Vec::new();
     let mut modules = Vec::new();
-    for path in files {
+    let mut controller = ControllerFiles::default();
+    let found = TaskFiles::find(files, 1)?;
+    let plain = found.others.iter().chain(&found.configurations);
+    for path in found.lists.iter().chain(plain).chain(&found.modules) {
         let name = path.to_string_lossy().into_owned();
         let (code, verdict) = match extension(path).as_str() {
-            "toml" => ("SCENE", check_scene(path)),
-            "urdf" => ("URDF", check_arm(path)),
-            "cfg" => ("EIO", check_signals(path)),
-            "mod" | "sys" | "prg" | "modx" | "sysx" => {
+            "toml" => ("SCENE", check_scene(path).map_err(of_file)),
+            "urdf" => ("URDF", check_arm(path).map_err(of_file)),
+            "cfg" => ("CFG", check_configuration(path, &mut controller)),
+            "pgf" => ("PGF", Ok("good".to_owned())),
+            _ if is_module(path) => {
                 modules.push((verdicts.len(), path));
                 ("RAPID", Ok("good".to_owned()))
             }
             other => (
                 "FILE",
-                Err(vec![format!(
-                    "{name}: no check for files of type {other:?}; expected .toml, .urdf, .cfg, .mod, .sys or .prg"
-                )]),
+                Err(of_file(vec![format!(
+                    "{name}: no check for files of type {other:?}; expected .toml, .urdf, .cfg, .mod, .sys, .prg or .pgf"
+                )])),
             ),
         };
         let (summary, findings) = match verdict {
             Ok(summary) => (summary, Vec::new()),
             Err(messages) => {
-                for message in &messages {
+                let findings = messages.into_iter().map(|(line, message)| {
                     eprintln!("error: {message}");
-                }
-                let findings = messages.into_iter().map(|m| Finding::of_file(code, m));
+                    Finding {
+                        line,
+                        ..Finding::of_file(code, message)
+                    }
+                });
                 (String::new(), findings.collect())
             }
         };
@@ -87,7 +98,15 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
             findings,
         });
     }
-    check_modules(&modules, &mut verdicts, syntax_only);
+    // The order of the arguments; what came out of folders stands behind.
+    let place = |path: &str| {
+        files
+            .iter()
+            .position(|given| given.to_string_lossy() == path)
+    };
+    let signals = controller.has_io.then_some(&controller.io);
+    check_modules(&modules, &mut verdicts, signals, syntax_only);
+    verdicts.sort_by_key(|verdict| place(&verdict.path).unwrap_or(usize::MAX));
     let errors: usize = verdicts.iter().map(Verdict::errors).sum();
     if json {
         println!("{}", document(&verdicts));
@@ -132,12 +151,6 @@ fn document(verdicts: &[Verdict]) -> serde_json::Value {
         })
         .collect();
     serde_json::json!({ "files": files })
-}
-
-fn extension(path: &Path) -> String {
-    path.extension()
-        .map(|extension| extension.to_string_lossy().to_lowercase())
-        .unwrap_or_default()
 }
 
 /// A scene with everything that it names: arm, program, planning project.
@@ -190,25 +203,33 @@ fn check_arm(path: &Path) -> Result<String, Vec<String>> {
     ))
 }
 
-/// The signals of a controller.
-fn check_signals(path: &Path) -> Result<String, Vec<String>> {
+/// Messages without a line of their own.
+fn of_file(messages: Vec<String>) -> Vec<(u32, String)> {
+    messages.into_iter().map(|message| (1, message)).collect()
+}
+
+/// A configuration file of a controller, with what it says taken over.
+fn check_configuration(
+    path: &Path,
+    controller: &mut ControllerFiles,
+) -> Result<String, Vec<(u32, String)>> {
     let bytes = std::fs::read(path)
-        .map_err(|error| vec![format!("cannot read {}: {error}", path.display())])?;
-    let read = EioConfiguration::parse(&depal_rapid::decode(&bytes)).map_err(|errors| {
-        let line = |e: &depal_controller::EioError| {
-            format!("{}:{}: {}", path.display(), e.line, e.message)
-        };
-        errors.iter().map(line).collect::<Vec<_>>()
-    })?;
-    Ok(format!(
-        "good: {} signals, {} cross connections",
-        read.signals.len(),
-        read.connections.len()
-    ))
+        .map_err(|error| of_file(vec![format!("cannot read {}: {error}", path.display())]))?;
+    let text = depal_rapid::decode(&bytes);
+    read_configuration(path, &text, controller).map_err(|errors| {
+        let lines = errors.iter().map(|e| e.line as u32);
+        lines.zip(told(path, &errors)).collect()
+    })
 }
 
 /// RAPID modules, as one task or each for itself, into the verdicts at the given places.
-fn check_modules(modules: &[(usize, &PathBuf)], verdicts: &mut [Verdict], syntax_only: bool) {
+/// With an I/O configuration a signal that it does not define is an error.
+fn check_modules(
+    modules: &[(usize, &PathBuf)],
+    verdicts: &mut [Verdict],
+    signals: Option<&EioConfiguration>,
+    syntax_only: bool,
+) {
     let mut sources = Vec::new();
     let mut places = Vec::new();
     for (place, path) in modules {
@@ -232,6 +253,9 @@ fn check_modules(modules: &[(usize, &PathBuf)], verdicts: &mut [Verdict], syntax
     }
     let diagnostics = if syntax_only {
         depal_rapid::check_syntax(&sources)
+    } else if let Some(io) = signals {
+        let known: Vec<_> = io.signals.iter().map(definition).collect();
+        depal_rapid::check_with_signals(&sources, &known).diagnostics
     } else {
         depal_rapid::check(&sources).diagnostics
     };
@@ -247,5 +271,11 @@ fn check_modules(modules: &[(usize, &PathBuf)], verdicts: &mut [Verdict], syntax
             column: at.column,
             message: diagnostic.message.clone(),
         });
+    }
+    if let Some(first) = diagnostics.first() {
+        eprintln!(
+            "`depal explain {}` tells more about the first message",
+            first.code
+        );
     }
 }

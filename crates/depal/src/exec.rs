@@ -1,24 +1,25 @@
 //! `depal exec`: a robot program on the virtual controller alone, with real sockets.
 
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use depal_arm::Arm;
-use depal_controller::{
-    Controller, ControllerSpec, ControllerState, EioConfiguration, SignalKind, SignalSpec,
-};
+use depal_controller::{Controller, ControllerSpec, ControllerState, SignalKind, SignalSpec};
 use depal_frames::JointPositions;
-use depal_net::robot_sockets::{HostPort, RobotSockets};
+use depal_net::robot_sockets::HostPort;
 use depal_rapid::SignalDefinition;
 use depal_time::{SimDuration, SimTime, TICK};
-use depal_vm::{Machine, SourceFile};
+use depal_vm::{Machine, Program, SourceFile};
 
 use crate::diagnostics::draw;
+use crate::exec_network::ProgramNetwork;
 use crate::exec_output::{End, Output, Place};
 use crate::failure::Failure;
+use crate::sandbox::Sandbox;
+use crate::task_folder::{ControllerFiles, TaskFiles, read};
 
 /// Bits of a group signal that `--auto-signals` makes: as many as RAPID's num holds exactly.
 const AUTO_GROUP_BITS: u8 = 23;
@@ -28,7 +29,8 @@ const NOMINAL_ACCELERATION: f64 = 10.0;
 /// Arguments of `depal exec`.
 #[derive(Args)]
 pub struct ExecArgs {
-    /// Modules of one task (.mod, .sys, .prg, .modx, .sysx), in any order, or a list of them (.pgf).
+    /// Modules of one task (.mod, .sys, .prg, .modx, .sysx), in any order, a list of them (.pgf), configuration
+    /// files (.cfg), or a folder with all of these, as a controller backup is.
     #[arg(required = true, value_name = "PROGRAM")]
     programs: Vec<PathBuf>,
     /// I/O configuration of the controller: its signals and cross connections.
@@ -52,12 +54,26 @@ pub struct ExecArgs {
     /// Make the signals that the program uses and nobody defined, with value 0.
     #[arg(long)]
     auto_signals: bool,
-    /// The procedure to start.
-    #[arg(long, value_name = "PROC", default_value = "main")]
-    entry: String,
+    /// The procedure to start. Default: that of the task in a SYS.cfg, else main.
+    #[arg(long, value_name = "PROC")]
+    entry: Option<String>,
+    /// Folder of the program's files (HOME:): read at the start; what the program writes is written there at the end.
+    /// Without it files live in memory only, and a backup's HOME folder is read but never written.
+    #[arg(long, value_name = "DIR")]
+    home: Option<PathBuf>,
+    /// Write what goes over the program's client sockets to this file.
+    #[arg(long, value_name = "FILE", conflicts_with = "replay_sockets")]
+    pub(crate) record_sockets: Option<PathBuf>,
+    /// Play the other side of a file that --record-sockets wrote, without a network. A program that sends something
+    /// else than then finds the connection closed, and the difference is told at the end.
+    #[arg(long, value_name = "FILE", conflicts_with = "connect")]
+    pub(crate) replay_sockets: Option<PathBuf>,
+    /// Number of the task whose modules are taken from a controller backup (RAPID/TASKn).
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    task: usize,
     /// Send connections to the first address to the second. May be given many times.
     #[arg(long, value_name = "HOST:PORT=HOST:PORT", value_parser = route)]
-    connect: Vec<(HostPort, HostPort)>,
+    pub(crate) connect: Vec<(HostPort, HostPort)>,
     /// Set an input at a simulated time. May be given many times.
     #[arg(long, value_name = "NAME=VALUE@SECONDS", value_parser = input_change)]
     set_di: Vec<InputChange>,
@@ -108,7 +124,9 @@ pub fn exec(args: &ExecArgs) -> Result<(), Failure> {
     let begun = Instant::now();
     let output = Output::open(args.json, args.trace.as_deref())?;
     match prepare(args) {
-        Ok((controller, changes)) => run(args, controller, changes, output, begun),
+        Ok((controller, changes, sandbox)) => {
+            run(args, controller, changes, &sandbox, output, begun)
+        }
         Err(failure) => {
             let message = match &failure {
                 Failure::Input(message) => message.clone(),
@@ -120,34 +138,8 @@ pub fn exec(args: &ExecArgs) -> Result<(), Failure> {
     }
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    std::fs::read(path)
-        .map_err(|error| Failure::Input(format!("cannot read {}: {error}", path.display())))
-}
-
-/// The modules, with those that program lists name.
-pub fn modules(paths: &[PathBuf]) -> Result<Vec<SourceFile>, Failure> {
-    let mut sources = Vec::new();
-    for path in paths {
-        let text = depal_rapid::decode(&read(path)?);
-        let is_list = path
-            .extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case("pgf"));
-        if is_list {
-            let folder = path.parent().unwrap_or(Path::new(""));
-            for name in depal_rapid::program_list(&text) {
-                let path = folder.join(name);
-                let text = depal_rapid::decode(&read(&path)?);
-                sources.push(SourceFile::new(path.to_string_lossy(), text));
-            }
-        } else {
-            sources.push(SourceFile::new(path.to_string_lossy(), text));
-        }
-    }
-    Ok(sources)
-}
-
-fn definition(spec: &SignalSpec) -> SignalDefinition {
+/// A signal as programs are checked against it.
+pub fn definition(spec: &SignalSpec) -> SignalDefinition {
     use depal_rapid::SignalKind as Rapid;
     SignalDefinition {
         name: spec.name.clone(),
@@ -176,8 +168,20 @@ fn auto_signal(definition: &SignalDefinition) -> SignalSpec {
     SignalSpec::new(&definition.name, kind)
 }
 
+/// A procedure that calls the event routines of START before the entry, as the controller does.
+fn starter(routines: &[&str], entry: &str) -> SourceFile {
+    let calls = routines.join(";\n    ");
+    let text = format!(
+        "MODULE {STARTER}\n  PROC {STARTER}()\n    {calls};\n    {entry};\n  ENDPROC\nENDMODULE\n"
+    );
+    SourceFile::new("(event routines)", text)
+}
+
+/// Name of the module and procedure of [`starter`].
+const STARTER: &str = "event_start";
+
 /// Everything that can be wrong before anything runs.
-fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>), Failure> {
+fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), Failure> {
     if let Some(limit) = args.max_sim_s
         && !(limit > 0.0 && limit <= 1e9)
     {
@@ -185,25 +189,35 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>), Failure> {
             "--max-sim-s is {limit}, expected seconds above 0"
         )));
     }
-    let sources = modules(&args.programs)?;
-    let mut io = EioConfiguration::default();
-    if let Some(path) = &args.io {
-        let text = depal_rapid::decode(&read(path)?);
-        io = EioConfiguration::parse(&text).map_err(|errors| {
-            let lines: Vec<_> = errors
-                .iter()
-                .map(|e| format!("{}:{}: {}", path.display(), e.line, e.message))
-                .collect();
-            Failure::Input(lines.join("\n"))
-        })?;
+    let mut files = TaskFiles::find(&args.programs, args.task)?;
+    if let Some(other) = files.others.first() {
+        return Err(Failure::Input(format!(
+            "{}: expected a module (.mod, .sys, .prg, .modx, .sysx), a program list (.pgf), a configuration (.cfg) or a folder",
+            other.display()
+        )));
+    }
+    files.configurations.extend(args.io.clone());
+    let mut sources = files.sources()?;
+    let ControllerFiles { mut io, system, .. } = ControllerFiles::read(&files.configurations)?;
+    let task = system.motion_task();
+    let task_name = task.map_or("T_ROB1", |task| &task.name).to_owned();
+    let configured = task.map_or("main", |task| &task.entry);
+    let mut entry = args.entry.clone().unwrap_or_else(|| configured.to_owned());
+    let routines: Vec<_> = ["POWER_ON", "START"]
+        .into_iter()
+        .flat_map(|event| system.routines(event, &task_name))
+        .collect();
+    if !routines.is_empty() {
+        sources.push(starter(&routines, &entry));
+        STARTER.clone_into(&mut entry);
     }
     let known: Vec<_> = io.signals.iter().map(definition).collect();
     let loaded = if args.auto_signals {
-        let (loaded, added) = depal_rapid::load_with_auto_signals(&sources, &known, &args.entry);
+        let (loaded, added) = depal_rapid::load_with_auto_signals(&sources, &known, &entry);
         io.signals.extend(added.iter().map(auto_signal));
         loaded
     } else {
-        depal_rapid::load(&sources, &known, &args.entry)
+        depal_rapid::load(&sources, &known, &entry)
     };
     for diagnostic in &loaded.diagnostics {
         eprintln!("{}\n", draw(diagnostic, &sources));
@@ -214,6 +228,7 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>), Failure> {
             loaded.diagnostics.len()
         ))
     })?;
+    let program = with_retry_limit(program, system.retry_limit);
     let mut changes = args.set_di.clone();
     changes.sort_by_key(|change| change.at);
     if args.auto_signals {
@@ -245,7 +260,8 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>), Failure> {
             .map(str::to_owned)
             .collect(),
     };
-    let machine = Machine::new(program, "T_ROB1").single_cycle();
+    let sandbox = Sandbox::read(args.home.as_deref(), &files.home)?;
+    let machine = Machine::new(program, task_name).single_cycle();
     let invalid = |error: depal_controller::ControllerError| Failure::Input(error.to_string());
     let mut controller = match &args.robot {
         None => {
@@ -253,6 +269,7 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>), Failure> {
             spec.signals = io.signals;
             spec.connections = io.connections;
             spec.answers = answers;
+            spec.files = sandbox.files().clone();
             Controller::without_arm(spec).map_err(invalid)?
         }
         Some(path) => {
@@ -269,21 +286,33 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>), Failure> {
             spec.signals = io.signals;
             spec.connections = io.connections;
             spec.answers = answers;
+            spec.files = sandbox.files().clone();
             Controller::new(spec).map_err(invalid)?
         }
     };
     controller.set_task(Box::new(machine));
-    Ok((controller, changes))
+    Ok((controller, changes, sandbox))
+}
+
+/// The program with the number of retries that the controller is configured for.
+fn with_retry_limit(program: Arc<Program>, limit: Option<u32>) -> Arc<Program> {
+    let Some(limit) = limit else {
+        return program;
+    };
+    let mut program = Arc::unwrap_or_clone(program);
+    program.rules.retry_limit = limit;
+    Arc::new(program)
 }
 
 fn run(
     args: &ExecArgs,
     mut controller: Controller,
     changes: Vec<InputChange>,
+    sandbox: &Sandbox,
     mut output: Output,
     begun: Instant,
 ) -> Result<(), Failure> {
-    let mut sockets = RobotSockets::new(args.connect.clone());
+    let mut network = ProgramNetwork::open(args)?;
     let limit = args
         .max_sim_s
         .map(|s| SimTime::ZERO + SimDuration::from_secs_f64(s));
@@ -296,7 +325,7 @@ fn run(
                 .set_input(&change.name, change.value)
                 .map_err(|fault| Failure::Input(format!("--set-di {}: {fault:?}", change.name)))?;
         }
-        controller.tick(now, &mut sockets);
+        controller.tick(now, network.as_network());
         let tick_begin = now;
         now += TICK;
         while let Some(event) = controller.poll_event() {
@@ -317,11 +346,11 @@ fn run(
         if controller.waits_for_ever() && changes.peek().is_none() {
             break End::Idle;
         }
-        if sockets.is_waiting() {
-            let ahead = now.saturating_since(tick_begin);
-            sockets.wait(Duration::from_nanos(ahead.as_nanos()));
-        }
+        let ahead = now.saturating_since(tick_begin);
+        network.wait(Duration::from_nanos(ahead.as_nanos()));
     };
+    network.close(args)?;
+    sandbox.write(controller.files())?;
     output.finish(&end, now, begun.elapsed())?;
     match end {
         End::Failed(_) => Err(Failure::Told(1)),

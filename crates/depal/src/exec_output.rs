@@ -33,14 +33,13 @@ pub struct Place {
     routine: String,
     line: u32,
     message: String,
-    callers: Vec<ProgramLocation>,
+    error: RuntimeError,
 }
 
 impl Place {
     /// Of an unhandled error.
     pub fn of(error: &RuntimeError) -> Self {
-        let mut places = error.call_stack.iter().cloned();
-        let inner = places.next().unwrap_or_default();
+        let inner = error.call_stack.first().cloned().unwrap_or_default();
         let message = if error.name.is_empty() {
             error.message.clone()
         } else {
@@ -51,7 +50,7 @@ impl Place {
             routine: inner.routine,
             line: inner.line,
             message: message.replace(['\n', '\r'], " "),
-            callers: places.collect(),
+            error: error.clone(),
         }
     }
 }
@@ -131,16 +130,7 @@ impl Output {
             End::Idle => ("idle", Json::Null),
             End::TimeLimit => ("time_limit", Json::Null),
             End::Failed(place) => {
-                eprintln!(
-                    "{}/{}:{}: {}",
-                    place.module, place.routine, place.line, place.message
-                );
-                for caller in &place.callers {
-                    eprintln!(
-                        "  called from {}/{}:{}",
-                        caller.module, caller.routine, caller.line
-                    );
-                }
+                eprintln!("{}", place.error.report(now));
                 let error = json!({
                     "module": place.module,
                     "routine": place.routine,
@@ -197,6 +187,8 @@ fn document(event: &ControllerEvent) -> Json {
             let dropped: Vec<u64> = dropped.iter().map(|id| id.0).collect();
             json!({"t_s": t, "event": "motion_stopped", "dropped": dropped, "reason": reason})
         }
+        ControllerEvent::MotionHeld { .. } => json!({"t_s": t, "event": "motion_held"}),
+        ControllerEvent::MotionResumed { .. } => json!({"t_s": t, "event": "motion_resumed"}),
         ControllerEvent::Log {
             kind,
             location,

@@ -6,9 +6,12 @@ mod check;
 mod detect;
 mod diagnostics;
 mod exec;
+mod exec_network;
 mod exec_output;
+mod explain;
 mod failure;
 mod image_file;
+mod init;
 mod kinematics;
 mod output;
 mod overlay;
@@ -18,8 +21,10 @@ mod render;
 mod replay;
 mod replay_setup;
 mod run;
+mod sandbox;
 mod serve;
 mod serve_log;
+mod task_folder;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -44,7 +49,8 @@ enum Command {
     /// Exit codes: 0 accepted; 1 a threshold of [accept] was missed; 2 bad input; 3 the machine does not
     /// let us (disk, permissions); 4 the scene's time limit passed.
     Run(RunArgs),
-    /// Check scenes (.toml), arms (.urdf) and robot programs (.mod, .sys, .prg) without running them.
+    /// Check scenes (.toml), arms (.urdf), robot programs (.mod, .sys, .prg, .pgf), configurations (.cfg) and folders
+    /// of a task without running them.
     Check {
         /// Files to check. RAPID modules given together are one task.
         #[arg(required = true, value_name = "FILE")]
@@ -61,6 +67,14 @@ enum Command {
     /// stdout has the lines of TPWrite, nothing else. Exit codes: 0 the program ended, stopped, or --max-sim-s
     /// was reached; 1 it stopped on a run-time error; 2 bad input, nothing ran.
     Exec(exec::ExecArgs),
+    /// Tell what a message about a robot program means, with an example and its mend.
+    Explain {
+        /// The code in the message, as in RAPID0104 or 104; without one all codes are listed.
+        #[arg(value_name = "CODE")]
+        code: Option<String>,
+    },
+    /// Write sample programs, the interface modules and a scene that runs a sample.
+    Init(init::InitArgs),
     /// Take one picture with a scene's camera, cartons at rest, and write what it saw and what was there.
     ///
     /// Writes depth.png (16 bit, 0.1 mm, 0 = invalid), intensity.png, intrinsics.json, truth.json and
@@ -179,6 +193,8 @@ fn main() -> ExitCode {
             syntax_only,
         }) => check::check(&files, json, syntax_only),
         Some(Command::Exec(args)) => exec::exec(&args),
+        Some(Command::Explain { code }) => explain::explain(code.as_deref()),
+        Some(Command::Init(args)) => init::init(&args),
         Some(Command::Render(args)) => render::render(&args),
         Some(Command::Detect(args)) => detect::detect(&args),
         Some(Command::Plan { problem, json }) => plan::plan(&problem, json),

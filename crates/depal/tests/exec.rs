@@ -131,9 +131,28 @@ fn a_real_server_is_reached_through_a_route() {
     let text = "MODULE m\n  VAR socketdev s;\n  VAR string got;\n  PROC main()\n    SocketCreate s;\n    SocketConnect s, \"192.168.125.5\", 50000;\n    SocketSend s \\Str:=\"ping\";\n    SocketReceive s \\Str:=got \\ReadNoOfBytes:=4;\n    TPWrite got;\n    SocketReceive s \\Str:=got \\Time:=1;\n    ERROR\n    IF ERRNO = ERR_SOCK_CLOSED TPWrite \"closed\";\n  ENDPROC\nENDMODULE\n";
     let folder = folder("socket", &[("m.mod", text)]);
     let route = format!("192.168.125.5:50000=127.0.0.1:{port}");
-    let output = depal(&folder, &["exec", "m.mod", "--connect", &route]);
+    let arguments = [
+        "exec",
+        "m.mod",
+        "--connect",
+        &route,
+        "--record-sockets",
+        "sockets.txt",
+    ];
+    let output = depal(&folder, &arguments);
     assert_eq!(&server.join().expect("served"), b"ping");
     assert_eq!(stdout(&output), "pong\nclosed\n", "{}", stderr(&output));
+    // The same without the server, from what was written down.
+    let output = depal(
+        &folder,
+        &["exec", "m.mod", "--replay-sockets", "sockets.txt"],
+    );
+    assert_eq!(stdout(&output), "pong\nclosed\n", "{}", stderr(&output));
+    assert!(
+        !stderr(&output).contains("transcript"),
+        "{}",
+        stderr(&output)
+    );
 }
 
 #[test]
@@ -162,4 +181,269 @@ fn syntax_only_looks_at_no_names() {
     assert_eq!(names.status.code(), Some(2));
     let syntax = depal(&folder, &["check", "--syntax-only", "m.mod"]);
     assert_eq!(syntax.status.code(), Some(0), "{}", stderr(&syntax));
+}
+
+fn json(output: &Output) -> serde_json::Value {
+    serde_json::from_str(&stdout(output)).unwrap_or_else(|_| panic!("{}", stderr(output)))
+}
+
+/// A task folder: program list, modules, configurations, and a module that is not in the list.
+#[test]
+fn a_folder_is_a_task() {
+    let list = "<?xml version=\"1.0\"?>\n<Program>\n <Module>main.mod</Module>\n <Module>part.mod</Module>\n</Program>\n";
+    let main = "MODULE main_m\n  PROC watch_all()\n    helper;\n    SetDO do_x, 1;\n    SetDO DO_X, 0;\n  ENDPROC\nENDMODULE\n";
+    let part = "MODULE part_m\n  PROC helper()\n    TPWrite greeting;\n  ENDPROC\n  PROC at_start()\n    TPWrite \"event\";\n  ENDPROC\nENDMODULE\n";
+    let system = "MODULE user_sys(SYSMODULE)\n  CONST string greeting := \"hello\";\nENDMODULE\n";
+    let eio = "EIO:CFG_1.0:6:1::\n#\nEIO_SIGNAL:\n -Name \"do_x\" -SignalType \"DO\"\n";
+    let sys = "SYS:CFG_1.0:6:0::\n#\nCAB_TASKS:\n -Name \"T_CELL\" -Type \"NORMAL\" -Entry \"watch_all\" -MotionTask\n#\nCAB_EXEC_HOOKS:\n -Routine \"at_start\" -Shelf \"START\"\n";
+    let unlisted = "MODULE broken\n  PROC helper()\n    no_such_thing;\n  ENDPROC\nENDMODULE\n";
+    let folder = folder(
+        "task",
+        &[
+            ("cell.pgf", list),
+            ("main.mod", main),
+            ("part.mod", part),
+            ("user.sys", system),
+            ("unlisted.mod", unlisted),
+            ("EIO.cfg", eio),
+            ("SYS.cfg", sys),
+            ("MOC.cfg", "MOC:CFG_1.0:6:0::\n#\n"),
+        ],
+    );
+    let checked = depal(&folder, &["check", "--json", "."]);
+    assert_eq!(checked.status.code(), Some(0), "{}", stderr(&checked));
+    let paths: Vec<_> = json(&checked)["files"]
+        .as_array()
+        .expect("files")
+        .iter()
+        .map(|file| file["path"].as_str().expect("a path").replace("./", ""))
+        .collect();
+    for name in [
+        "cell.pgf", "main.mod", "part.mod", "user.sys", "EIO.cfg", "SYS.cfg", "MOC.cfg",
+    ] {
+        assert!(paths.iter().any(|path| path == name), "{name} in {paths:?}");
+    }
+    assert!(!paths.iter().any(|path| path == "unlisted.mod"));
+    let output = depal(&folder, &["exec", "."]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stdout(&output), "event\nhello\n");
+    // A signal that the folder's EIO.cfg does not define is an error of the check, with the mend.
+    std::fs::write(
+        folder.join("part.mod"),
+        part.replace("TPWrite greeting", "SetDO do_y, 1"),
+    )
+    .expect("written");
+    let checked = depal(&folder, &["check", "."]);
+    assert_eq!(checked.status.code(), Some(2));
+    assert!(stderr(&checked).contains("do_x"), "{}", stderr(&checked));
+    // A mistake in a configuration is told with its line.
+    std::fs::write(folder.join("EIO.cfg"), eio.replace("\"DO\"", "\"DQ\"")).expect("written");
+    let document = json(&depal(&folder, &["check", "--json", "EIO.cfg"]));
+    assert_eq!(document["files"][0]["diagnostics"][0]["line"], 4);
+    assert_eq!(depal(&folder, &["exec", "."]).status.code(), Some(2));
+}
+
+/// A controller backup: modules below RAPID, configurations below SYSPAR, files of the program below HOME.
+#[test]
+fn a_backup_is_a_task() {
+    let main = "MODULE m\n  VAR iodev f;\n  PROC main()\n    Open \"HOME:/in.txt\", f\\Read;\n    TPWrite ReadStr(f);\n    Close f;\n  ENDPROC\nENDMODULE\n";
+    let folder = folder("backup", &[]);
+    for (path, text) in [
+        ("RAPID/TASK1/PROGMOD/m.mod", main),
+        (
+            "RAPID/TASK2/PROGMOD/other.mod",
+            "MODULE other\nPROC main()\nENDPROC\nENDMODULE\n",
+        ),
+        ("HOME/in.txt", "from home\n"),
+        ("HOME/stray.mod", "no module"),
+        ("SYSPAR/EIO.cfg", "EIO:CFG_1.0:6:1::\n"),
+    ] {
+        let path = folder.join(path);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        std::fs::write(path, text).expect("written");
+    }
+    let output = depal(&folder, &["exec", "."]);
+    assert_eq!(stdout(&output), "from home\n", "{}", stderr(&output));
+    assert_eq!(depal(&folder, &["check", "."]).status.code(), Some(0));
+}
+
+/// Files are written below --home and nowhere else.
+#[test]
+fn files_live_below_home() {
+    let text = "MODULE m\n  VAR iodev f;\n  PROC main()\n    Open \"HOME:/out/log.txt\", f;\n    Write f, \"line\";\n    Close f;\n    RemoveFile \"HOME:/old.txt\";\n    Open \"HOME:/../escaped.txt\", f;\n    ERROR\n    IF ERRNO = ERR_FILEOPEN TPWrite \"refused\";\n  ENDPROC\nENDMODULE\n";
+    let folder = folder("home", &[("m.mod", text)]);
+    let home = folder.join("files");
+    std::fs::create_dir_all(&home).expect("made");
+    std::fs::write(home.join("old.txt"), "old").expect("written");
+    let output = depal(&folder, &["exec", "m.mod", "--home", "files"]);
+    assert_eq!(stdout(&output), "refused\n", "{}", stderr(&output));
+    assert_eq!(
+        std::fs::read_to_string(home.join("out/log.txt")).expect("written"),
+        "line\n"
+    );
+    assert!(!home.join("old.txt").exists() && !folder.join("escaped.txt").exists());
+}
+
+/// A question waits for ever; answers come from a file, in order.
+#[test]
+fn questions_are_answered_from_a_file_or_wait() {
+    let text = main_of("VAR num n;\nTPReadNum n, \"how many\";\nTPWrite \"n=\"\\Num:=n;");
+    let folder = folder(
+        "answers",
+        &[("m.mod", &text), ("answers.txt", "# how many\n7\n")],
+    );
+    let output = depal(&folder, &["exec", "m.mod", "--json"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(json(&output)["end"], "idle");
+    let output = depal(&folder, &["exec", "m.mod", "--ui-answers", "answers.txt"]);
+    assert_eq!(stdout(&output), "n=7\n", "{}", stderr(&output));
+}
+
+/// EXIT, Stop and ExitCycle end a run well; --entry starts elsewhere; several files are one task in any order.
+#[test]
+fn ends_and_entries() {
+    let text = "MODULE m\n  PROC main()\n    go;\n  ENDPROC\n  PROC by_exit()\n    EXIT;\n  ENDPROC\n  PROC by_stop()\n    Stop;\n  ENDPROC\n  PROC by_cycle()\n    ExitCycle;\n  ENDPROC\nENDMODULE\n";
+    let other = "MODULE n\n  PROC go()\n    TPWrite \"went\";\n  ENDPROC\nENDMODULE\n";
+    let folder = folder("ends", &[("m.mod", text), ("n.mod", other)]);
+    for (entry, end) in [
+        ("main", "ended"),
+        ("by_exit", "stopped"),
+        ("by_stop", "stopped"),
+        ("by_cycle", "stopped"),
+    ] {
+        for files in [["m.mod", "n.mod"], ["n.mod", "m.mod"]] {
+            let output = depal(
+                &folder,
+                &["exec", files[0], files[1], "--entry", entry, "--json"],
+            );
+            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+            assert_eq!(json(&output)["end"], end, "{entry}");
+        }
+    }
+    let output = depal(&folder, &["exec", "m.mod", "n.mod", "--entry", "nowhere"]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+/// A SocketReceive that times out unhandled is exit code 1, at its own line, after its own time.
+#[test]
+fn a_receive_time_out_is_a_run_time_error() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let port = listener.local_addr().expect("bound").port();
+    let text = format!(
+        "MODULE m\n  VAR socketdev s;\n  VAR string got;\n  PROC main()\n    SocketCreate s;\n    SocketConnect s, \"127.0.0.1\", {port};\n    SocketReceive s \\Str:=got \\Time:=0.5;\n  ENDPROC\nENDMODULE\n"
+    );
+    let folder = folder("timeout", &[("m.mod", &text)]);
+    let output = depal(&folder, &["exec", "m.mod", "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let document = json(&output);
+    assert_eq!(document["end"], "error");
+    assert_eq!(document["error"]["line"], 7);
+    let seconds = document["sim_time_s"].as_f64().expect("a number");
+    assert!((0.5..1.5).contains(&seconds), "{seconds}");
+    drop(listener);
+}
+
+/// The flange of wobj0 and tool0 is the pose of the link tool0 in the root link, in mm.
+#[test]
+fn a_robot_reads_its_flange() {
+    let urdf = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../urdf/abb_irb6700_150_320.urdf"
+    );
+    let text = main_of(
+        "MoveAbsJ [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v1000, fine, tool0;\nTPWrite ValToStr(CRobT(\\Tool:=tool0\\WObj:=wobj0).trans);",
+    );
+    let text = text.replace("TPWrite ValToStr(CRobT(\\Tool:=tool0\\WObj:=wobj0).trans)", "p := CRobT(\\Tool:=tool0\\WObj:=wobj0);\nTPWrite NumToStr(p.trans.x,0)+\" \"+NumToStr(p.trans.y,0)+\" \"+NumToStr(p.trans.z,0)");
+    let text = text.replace("MODULE m\n", "MODULE m\n  VAR robtarget p;\n");
+    let folder = folder("flange", &[("m.mod", &text)]);
+    let output = depal(&folder, &["exec", "m.mod", "--robot", urdf]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let found: Vec<f64> = stdout(&output)
+        .split_whitespace()
+        .map(|n| n.parse().expect("a number"))
+        .collect();
+    let kinematics = depal(
+        &folder,
+        &[
+            "kinematics",
+            urdf,
+            "--samples",
+            "1",
+            "--seed",
+            "1",
+            "--json",
+        ],
+    );
+    assert_eq!(kinematics.status.code(), Some(0));
+    // Arm straight up, forearm level: in front of the base, above two metres.
+    assert!(
+        found[0] > 1500.0 && found[1].abs() < 1.0 && found[2] > 1800.0,
+        "{found:?}"
+    );
+}
+
+/// 1,500 moves without physics: at least 500 times as fast as the robot would be, with an arm and without.
+#[test]
+fn many_moves_run_much_faster_than_the_robot() {
+    let urdf = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../urdf/abb_irb6700_150_320.urdf"
+    );
+    let text = main_of(
+        "VAR robtarget p;\nMoveAbsJ [[0,0,0,0,80,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v1000, fine, tool0;\np := CRobT(\\Tool:=tool0);\nFOR i FROM 1 TO 375 DO\nMoveL Offs(p,0,200,0), v500, z20, tool0;\nMoveL Offs(p,0,200,200), v500, z20, tool0;\nMoveJ Offs(p,0,-200,200), v500, z20, tool0;\nMoveL p, v500, fine, tool0;\nENDFOR",
+    );
+    let folder = folder("many", &[("m.mod", &text)]);
+    for arm in [vec!["--no-kinematics"], vec!["--robot", urdf]] {
+        let arguments = [vec!["exec", "m.mod", "--json"], arm.clone()].concat();
+        let output = depal(&folder, &arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let document = json(&output);
+        assert_eq!(document["moves"], 1501);
+        let number = |key: &str| document[key].as_f64().expect("a number");
+        let factor = number("sim_time_s") / number("wall_time_s");
+        eprintln!(
+            "{arm:?}: {:.1} s in {:.3} s, {factor:.0} x real time",
+            number("sim_time_s"),
+            number("wall_time_s")
+        );
+        // The promise is 500; a test build on a busy machine is given some room.
+        assert!(factor > 100.0, "{arm:?}: {factor}");
+    }
+}
+
+/// What `init` writes passes the check, as it is and sample by sample.
+#[test]
+fn init_writes_samples_that_pass() {
+    let folder = folder("init", &[]);
+    let written = folder.join("cell");
+    let _ = std::fs::remove_dir_all(&written);
+    let output = depal(&folder, &["init", "--lang", "rapid", "cell"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for sample in [
+        "s01_vision_points",
+        "s02_viz_path",
+        "s03_do_list",
+        "s04_branch_and_index",
+        "s05_lite_commands",
+        "s06_error_handling",
+        "s07_plan_ahead",
+    ] {
+        let name = format!("{sample}.mod");
+        let output = depal(&written, &["check", "MM_Module.mod", "cell.mod", &name]);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{sample}: {}",
+            stderr(&output)
+        );
+    }
+    let output = depal(&written, &["check", "sample.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    // What is there is kept.
+    std::fs::write(written.join("cell.mod"), "mine").expect("written");
+    depal(&folder, &["init", "cell"]);
+    assert_eq!(
+        std::fs::read_to_string(written.join("cell.mod")).expect("there"),
+        "mine"
+    );
 }

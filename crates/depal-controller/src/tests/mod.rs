@@ -14,6 +14,7 @@ use crate::{
 };
 
 mod cabinet;
+mod configuration;
 mod motion;
 mod sockets;
 
@@ -145,6 +146,7 @@ fn move_j(j1: f64, j2: f64, zone: MoveZone) -> MoveRequest {
         },
         zone,
         flange_from_tcp: Pose::translation(0.0, 0.0, 0.25),
+        configuration: None,
         location: ProgramLocation::default(),
     }
 }

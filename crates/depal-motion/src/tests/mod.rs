@@ -5,8 +5,11 @@ use depal_frames::{JointPositions, Pose};
 
 use crate::{Interpolation, MotionError, Segment, SegmentTarget, Speed, Trajectory, Zone};
 
+mod circles;
 mod corners;
+mod hold;
 mod laws;
+mod marks;
 mod retiming;
 
 pub const TICK: f64 = 0.004;
@@ -53,6 +56,7 @@ pub fn joint_move(target: [f64; 6], zone: Zone) -> Segment {
         flange_from_tcp: tool(),
         speed: Speed::UNLIMITED,
         zone,
+        quarters: None,
     }
 }
 
@@ -63,6 +67,7 @@ pub fn linear_move(base_from_tcp: Pose, tcp: f64, zone: Zone) -> Segment {
         flange_from_tcp: tool(),
         speed: speed(tcp),
         zone,
+        quarters: None,
     }
 }
 

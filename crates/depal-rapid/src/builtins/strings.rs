@@ -118,7 +118,7 @@ fn num_to_str(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
         let sign = if exponent < 0 { '-' } else { '+' };
         return text(context, format!("{mantissa}E{sign}{:02}", exponent.abs()));
     }
-    text(context, format!("{value:.decimals$}"))
+    text(context, crate::rules::with_decimals(value, decimals))
 }
 
 fn val_to_str(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {

@@ -1,7 +1,8 @@
 use depal_vm::{Builtin, BuiltinFn};
 
 use super::{
-    geometry, interrupts, io, maths, messages, motion, operator, rawbytes, socket, strings, timing,
+    analog, dialogs, files, geometry, information, interrupts, io, maths, messages, motion,
+    operator, path, positions, rawbytes, search, settings, socket, strings, timing, triggers,
 };
 use crate::syntax::parser::parse_heading;
 use crate::syntax::tree::Routine;
@@ -12,7 +13,7 @@ use crate::compile::Callee;
 pub(super) type Entry = (&'static str, BuiltinFn);
 
 /// Instructions that the lowering knows itself.
-const LOWERED: [(&str, Callee); 2] = [
+pub(super) const LOWERED: [(&str, Callee); 2] = [
     (
         "PROC WaitUntil(\\switch InPos | switch ZeroSpeed, bool Cond \\num MaxTime \\INOUT bool TimeFlag \\num PollRate)",
         Callee::WaitUntil,
@@ -20,34 +21,15 @@ const LOWERED: [(&str, Callee); 2] = [
     ("PROC ResetRetryCount()", Callee::ResetRetryCount),
 ];
 
-/// Names of the controller that are known and refused with a clear message.
-const REFUSED: [&str; 72] = [
-    "MoveC",
-    "MoveLDO",
-    "MoveJDO",
-    "MoveCDO",
+/// Names of the controller that are known and refused; [`refused`](super::refused) has more of them, by theme.
+pub(super) const REFUSED: &[&str] = &[
     "MoveLSync",
     "MoveJSync",
     "MoveCSync",
     "MoveExtJ",
-    "TriggL",
-    "TriggJ",
-    "TriggC",
-    "TriggIO",
-    "TriggEquip",
     "TriggInt",
-    "SearchL",
-    "SearchC",
     "SearchExtJ",
-    "StopMove",
-    "StartMove",
-    "ClearPath",
-    "StorePath",
-    "RestoPath",
     "StepBwdPath",
-    "WaitAI",
-    "WaitAO",
-    "AliasIO",
     "IODisable",
     "IOEnable",
     "IError",
@@ -55,33 +37,30 @@ const REFUSED: [&str; 72] = [
     "SocketSendTo",
     "SocketReceiveFrom",
     "SocketPeek",
-    "Open",
-    "Close",
-    "Write",
-    "WriteBin",
-    "WriteStrBin",
     "WriteAnyBin",
-    "WriteRawBytes",
-    "ReadRawBytes",
-    "ReadStr",
-    "ReadNum",
-    "ReadBin",
-    "ReadStrBin",
+    "ISignalAI",
+    "ISignalAO",
+    "GetTrapData",
+    "GetDataVal",
+    "SetDataVal",
+    "ReadCfgData",
+    "WriteCfgData",
+    "ReadErrData",
+    "ErrRaise",
+    "ErrLog",
+    "PDispOff",
+    "ActUnit",
+    "DeactUnit",
+    "TriggCheckIO",
+    "TriggSpeed",
+    "TriggLIOs",
+    "TriggStopProc",
+    "WZBoxDef",
+    "WZDOSet",
     "ReadAnyBin",
-    "Rewind",
-    "ClearIOBuff",
-    "UIMessageBox",
-    "UINumTune",
-    "UIAlphaEntry",
-    "UIListView",
-    "UIShow",
-    "TPReadDnum",
-    "TPShow",
     "WaitSyncTask",
     "SyncMoveOn",
     "SyncMoveOff",
-    "WaitTestAndSet",
-    "TestAndSet",
     "Load",
     "UnLoad",
     "StartLoad",
@@ -96,14 +75,6 @@ const REFUSED: [&str; 72] = [
     "CallByVar",
 ];
 
-/// The spelling of a known name that is not simulated.
-pub(crate) fn refused(name: &str) -> Option<&'static str> {
-    REFUSED
-        .iter()
-        .find(|known| known.eq_ignore_ascii_case(name))
-        .copied()
-}
-
 /// Names of all instructions and functions that run here.
 pub fn built_in_names() -> Vec<&'static str> {
     let mut names: Vec<_> = entries()
@@ -116,11 +87,20 @@ pub fn built_in_names() -> Vec<&'static str> {
     names
 }
 
-fn entries() -> Vec<Entry> {
-    let themes: [&[Entry]; 11] = [
+pub(super) fn entries() -> Vec<Entry> {
+    let themes: [&[Entry]; 20] = [
+        &analog::ENTRIES,
+        &dialogs::ENTRIES,
+        &files::ENTRIES,
+        &information::ENTRIES,
         &interrupts::ENTRIES,
         &operator::ENTRIES,
         &motion::ENTRIES,
+        &path::ENTRIES,
+        &positions::ENTRIES,
+        &search::ENTRIES,
+        &settings::ENTRIES,
+        &triggers::ENTRIES,
         &geometry::ENTRIES,
         &io::ENTRIES,
         &timing::ENTRIES,
@@ -134,7 +114,7 @@ fn entries() -> Vec<Entry> {
 }
 
 /// The name in a heading.
-fn name_of(heading: &'static str) -> &'static str {
+pub(super) fn name_of(heading: &'static str) -> &'static str {
     let before = heading.split('(').next().unwrap_or_default();
     before.rsplit(' ').next().unwrap_or_default()
 }

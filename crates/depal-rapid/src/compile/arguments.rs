@@ -26,10 +26,14 @@ impl Compiler<'_> {
             }
             None => {}
         }
-        if let Some(known) = crate::builtins::refused(&name.text) {
+        if let Some((known, theme)) = crate::builtins::refused(&name.text) {
             self.error(
-                Diagnostic::error("RAPID0112", name.span, format!("{known} is not simulated"))
-                    .help("it exists on the controller; this program cannot run here as it stands"),
+                Diagnostic::error(
+                    "RAPID0112",
+                    name.span,
+                    format!("{known} is not simulated: {}", theme.why),
+                )
+                .help(theme.instead),
             );
             return None;
         }

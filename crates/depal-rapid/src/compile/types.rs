@@ -68,7 +68,7 @@ pub(crate) struct RecordType {
 /// Types that are another name of a number or a string.
 pub(crate) fn simple_type(name: &str) -> Option<Type> {
     Some(match name {
-        "num" | "errnum" | "intnum" | "iodev" | "btnres" | "icondata" | "buttondata"
+        "num" | "errnum" | "intnum" | "btnres" | "tpnum" | "symnum" | "icondata" | "buttondata"
         | "socketstatus" | "byte" | "inttypes" | "opcalc" => Type::Num,
         "dnum" => Type::Dnum,
         "bool" => Type::Bool,
@@ -91,7 +91,7 @@ pub(crate) fn simple_type(name: &str) -> Option<Type> {
 }
 
 /// Types of the controller that are known and not simulated.
-pub(crate) const REFUSED_TYPES: [&str; 16] = [
+pub(crate) const REFUSED_TYPES: [&str; 14] = [
     "trapdata",
     "errdomain",
     "errtype",
@@ -101,8 +101,6 @@ pub(crate) const REFUSED_TYPES: [&str; 16] = [
     "wztemporary",
     "wzstationary",
     "shapedata",
-    "triggdata",
-    "listitem",
     "mecunit",
     "progdisp",
     "egmident",

@@ -1,7 +1,8 @@
 use depal_vm::Span;
 
+use super::keywords::is_keyword;
 use super::lexer::Token;
-use super::parser::{Parser, is_keyword};
+use super::parser::Parser;
 use super::tree::*;
 
 impl Parser<'_> {
@@ -166,7 +167,9 @@ impl Parser<'_> {
                     span: value.span.to(field.span),
                     kind: ExpressionKind::Field(Box::new(value), field),
                 };
-            } else if self.maybe_mark("{") {
+            } else if self.is_mark("{") {
+                let opened = self.span();
+                self.advance();
                 let mut indexes = Vec::new();
                 loop {
                     indexes.push(self.expression());
@@ -174,7 +177,7 @@ impl Parser<'_> {
                         break;
                     }
                 }
-                self.expect_mark("}", "behind the array index");
+                self.expect_closing("}", opened, "behind the array index");
                 value = Expression {
                     span: value.span.to(self.last_span()),
                     kind: ExpressionKind::Index(Box::new(value), indexes),
@@ -218,6 +221,7 @@ impl Parser<'_> {
             }
             Token::Name(word) if !is_keyword(&word) => {
                 self.advance();
+                let opened = self.span();
                 if !self.maybe_mark("(") {
                     return Expression {
                         kind: ExpressionKind::Name(word),
@@ -225,7 +229,7 @@ impl Parser<'_> {
                     };
                 }
                 let arguments = self.arguments(")");
-                self.expect_mark(")", "behind the arguments");
+                self.expect_closing(")", opened, "behind the arguments");
                 Expression {
                     kind: ExpressionKind::Call {
                         name: Name { text: word, span },
@@ -237,7 +241,7 @@ impl Parser<'_> {
             Token::Mark("(") => {
                 self.advance();
                 let mut inner = self.expression();
-                self.expect_mark(")", "behind the expression");
+                self.expect_closing(")", span, "behind the expression");
                 inner.span = span.to(self.last_span());
                 inner
             }
@@ -250,12 +254,13 @@ impl Parser<'_> {
                         break;
                     }
                 }
-                self.expect_mark("]", "behind the aggregate");
+                self.expect_closing("]", span, "behind the aggregate");
                 Expression {
                     kind: ExpressionKind::Aggregate(items),
                     span: span.to(self.last_span()),
                 }
             }
+            Token::Mark("<") if self.placeholder() => broken(span),
             _ => {
                 let found = self.describe();
                 self.report("RAPID0017", format!("expected a value, found {found}"));

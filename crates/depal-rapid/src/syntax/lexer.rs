@@ -185,9 +185,10 @@ impl Lexer<'_> {
         let start = self.at;
         self.at += 1;
         let mut value = String::new();
+        let mut closed = true;
         loop {
             let Some(c) = self.rest().chars().next() else {
-                self.unclosed(start);
+                closed = false;
                 break;
             };
             match c {
@@ -200,7 +201,7 @@ impl Lexer<'_> {
                     break;
                 }
                 '\n' | '\r' => {
-                    self.unclosed(start);
+                    closed = false;
                     break;
                 }
                 '\\' => self.escape(&mut value),
@@ -219,7 +220,17 @@ impl Lexer<'_> {
                 format!("the string has {length} characters, at most 80 fit"),
             ));
         }
-        self.push(start, Token::Text(value));
+        self.push(start, Token::Text(value.clone()));
+        if !closed {
+            self.unclosed(start);
+            // What ends the line is most likely the end of the statement.
+            if value.ends_with(");") {
+                self.push(start, Token::Mark(")"));
+            }
+            if value.ends_with(';') {
+                self.push(start, Token::Mark(";"));
+            }
+        }
     }
 
     fn escape(&mut self, value: &mut String) {

@@ -1,7 +1,8 @@
 use depal_vm::{Diagnostic, Span};
 
+use super::keywords::BLOCK_ENDS;
 use super::lexer::Token;
-use super::parser::{BLOCK_ENDS, Parser};
+use super::parser::Parser;
 use super::tree::*;
 
 impl Parser<'_> {
@@ -130,6 +131,10 @@ impl Parser<'_> {
             let arguments = self.arguments(";");
             self.end_statement("behind the arguments of the call");
             return StatementKind::CallByName { name, arguments };
+        }
+        if self.placeholder() {
+            self.maybe_mark(";");
+            return StatementKind::Broken;
         }
         self.assignment_or_call(start)
     }

@@ -1,7 +1,7 @@
 use depal_vm::Span;
 
 /// A name with its place.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(crate) struct Name {
     pub(crate) text: String,
     pub(crate) span: Span,
@@ -14,13 +14,42 @@ impl Name {
     }
 }
 
+// Trees are equal if they say the same, wherever it stands.
+impl PartialEq for Name {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}
+
+impl PartialEq for Statement {
+    fn eq(&self, other: &Self) -> bool {
+        self.kind == other.kind
+    }
+}
+
+impl PartialEq for Expression {
+    fn eq(&self, other: &Self) -> bool {
+        self.kind == other.kind
+    }
+}
+
+/// A module, its declarations by kind, each kind in the order of the source.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Module {
     pub(crate) name: Name,
+    pub(crate) attributes: Vec<Name>,
     pub(crate) records: Vec<Record>,
-    pub(crate) aliases: Vec<(Name, Name)>,
+    pub(crate) aliases: Vec<Alias>,
     pub(crate) data: Vec<Data>,
     pub(crate) routines: Vec<Routine>,
+}
+
+/// Another name of a type.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Alias {
+    pub(crate) local: bool,
+    pub(crate) known: Name,
+    pub(crate) name: Name,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +70,8 @@ pub(crate) enum Storage {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Data {
     pub(crate) local: bool,
+    /// TASK: an instance of its own in each task.
+    pub(crate) of_task: bool,
     pub(crate) storage: Storage,
     pub(crate) type_name: Name,
     pub(crate) name: Name,
@@ -96,7 +127,7 @@ pub(crate) struct Handler {
     pub(crate) body: Vec<Statement>,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(crate) struct Statement {
     pub(crate) kind: StatementKind,
     pub(crate) span: Span,
@@ -153,7 +184,7 @@ pub(crate) enum StatementKind {
     Broken,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(crate) struct Expression {
     pub(crate) kind: ExpressionKind,
     pub(crate) span: Span,
@@ -176,6 +207,29 @@ pub(crate) enum Operator {
     And,
     Or,
     Xor,
+}
+
+impl Operator {
+    /// As programs write it.
+    pub(crate) fn text(self) -> &'static str {
+        match self {
+            Self::Add => "+",
+            Self::Subtract => "-",
+            Self::Multiply => "*",
+            Self::Divide => "/",
+            Self::Div => "DIV",
+            Self::Mod => "MOD",
+            Self::Equal => "=",
+            Self::NotEqual => "<>",
+            Self::Less => "<",
+            Self::LessOrEqual => "<=",
+            Self::Greater => ">",
+            Self::GreaterOrEqual => ">=",
+            Self::And => "AND",
+            Self::Or => "OR",
+            Self::Xor => "XOR",
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -36,7 +36,7 @@ fn an_open_block_is_named_by_its_beginning() {
 }
 
 #[test]
-fn ten_mistakes_give_ten_messages() {
+fn many_mistakes_in_one_module() {
     insta::assert_snapshot!(messages(
         "MODULE m
   VAR num count;
@@ -56,7 +56,7 @@ fn ten_mistakes_give_ten_messages() {
     do_pump := 1;
     IF di_part THEN ENDIF
     RETRY;
-    MoveC p1, p2;
+    WZLimSup \\Temp, zone, shape;
     count := StrLn(name);
     WaitTme 1;
     count := [1,2];

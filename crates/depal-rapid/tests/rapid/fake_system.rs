@@ -10,6 +10,7 @@ use depal_vm::execution::{RobotTask, Step};
 use depal_vm::system::*;
 use depal_vm::{Machine, SourceFile, Value};
 
+#[derive(Clone)]
 pub struct FakeSystem {
     pub now: SimTime,
     pub trace: Vec<String>,
@@ -27,6 +28,8 @@ pub struct FakeSystem {
     pub connect_after: Option<SimDuration>,
     pub connecting_since: Option<SimTime>,
     pub statements: usize,
+    /// Where the arm is instead of the usual place.
+    pub arm: Option<(JointPositions, Pose)>,
 }
 
 impl Default for FakeSystem {
@@ -47,6 +50,7 @@ impl Default for FakeSystem {
             connect_after: Some(SimDuration::ZERO),
             connecting_since: None,
             statements: 0,
+            arm: None,
         }
     }
 }
@@ -172,7 +176,7 @@ impl System for FakeSystem {
         }
         let target = match &request.target {
             MoveTarget::Joints(joints) => format!("joints {:.1?}", joints.to_degrees()),
-            MoveTarget::Tcp(pose) => {
+            MoveTarget::Tcp(pose) | MoveTarget::Arc { to: pose, .. } => {
                 let p = pose.translation.vector;
                 format!("tcp {:.4} {:.4} {:.4}", p.x, p.y, p.z)
             }
@@ -206,6 +210,9 @@ impl System for FakeSystem {
     }
 
     fn joints(&self) -> JointPositions {
+        if let Some((joints, _)) = self.arm {
+            return joints;
+        }
         JointPositions::from_degrees(&[10.0, 20.0, 30.0, 40.0, 50.0, 60.0])
     }
 
@@ -214,6 +221,9 @@ impl System for FakeSystem {
     }
 
     fn forward(&self, joints: &JointPositions) -> Pose {
+        if let Some((_, flange)) = self.arm {
+            return flange;
+        }
         let angles = joints.to_degrees();
         Pose::translation(angles[0] / 10.0, angles[1] / 10.0, angles[2] / 10.0)
     }

@@ -2,7 +2,15 @@
 
 mod diagnostics;
 mod effects;
+mod failures;
 mod fake_system;
+mod generate;
 mod interrupts;
 mod language;
+mod mistakes;
+mod modules;
+mod orientation;
 mod robustness;
+mod rules;
+mod syntax;
+mod thrown;

@@ -1,3 +1,5 @@
+mod plain;
+
 use crate::{Diagnostic, RAW_BYTES_LIMIT, RawBytes, SourceFile, Span};
 
 #[test]

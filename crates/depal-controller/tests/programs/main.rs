@@ -1,0 +1,15 @@
+//! RAPID programs on the cabinet with an arm: what the arm and the outputs do, and when.
+
+mod dialogs;
+mod files;
+mod free;
+mod harness;
+mod information;
+mod moves;
+mod path;
+mod samples;
+mod search;
+mod settings;
+mod transcripts;
+mod triggers;
+mod vision_peer;

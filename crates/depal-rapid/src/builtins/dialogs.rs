@@ -1,0 +1,315 @@
+//! Further questions to the operator, answered like those in `operator`: a line of the answers each.
+
+use std::task::Poll;
+
+use depal_vm::system::{Question, System};
+use depal_vm::{CallContext, Outcome, RaisedError, Value};
+
+use super::records::part;
+use super::table::Entry;
+use crate::errors::error;
+
+type Ran = Result<Outcome, RaisedError>;
+
+pub(super) const ENTRIES: [Entry; 9] = [
+    (
+        "FUNC btnres UIMessageBox(\\string Header \\string Message | string MsgArray{*} \\switch Wrap \\num Buttons | string BtnArray{*} \\num DefaultBtn \\num Icon \\string Image \\num MaxTime \\signaldi DIBreak \\switch DIPassive \\signaldo DOBreak \\switch DOPassive \\INOUT errnum BreakFlag)",
+        message_box,
+    ),
+    (
+        "FUNC num UIListView(\\INOUT btnres Result \\string Header, listitem ListItems{*} \\num Buttons | string BtnArray{*} \\num Icon \\num DefaultIndex \\num MaxTime \\signaldi DIBreak \\switch DIPassive \\signaldo DOBreak \\switch DOPassive \\INOUT errnum BreakFlag)",
+        list_view,
+    ),
+    (
+        "FUNC string UIAlphaEntry(\\string Header \\string Message | string MsgArray{*} \\switch Wrap \\num Icon \\string InitString \\num MaxTime \\signaldi DIBreak \\switch DIPassive \\signaldo DOBreak \\switch DOPassive \\INOUT errnum BreakFlag)",
+        text_entry,
+    ),
+    (
+        "FUNC dnum UIDnumEntry(\\string Header \\string Message | string MsgArray{*} \\switch Wrap \\num Icon \\dnum InitValue \\dnum MinValue \\dnum MaxValue \\switch AsInteger \\num MaxTime \\signaldi DIBreak \\switch DIPassive \\signaldo DOBreak \\switch DOPassive \\INOUT errnum BreakFlag)",
+        number_entry,
+    ),
+    (
+        "FUNC num UINumTune(\\string Header \\string Message | string MsgArray{*} \\switch Wrap \\num Icon, num InitValue, num Increment \\num MinValue \\num MaxValue \\num MaxTime \\signaldi DIBreak \\switch DIPassive \\signaldo DOBreak \\switch DOPassive \\INOUT errnum BreakFlag)",
+        number_tune,
+    ),
+    (
+        "PROC TPReadDnum(INOUT dnum TPAnswer, string TPText \\num MaxTime \\signaldi DIBreak \\switch DIPassive \\signaldo DOBreak \\switch DOPassive \\INOUT errnum BreakFlag)",
+        read_dnum,
+    ),
+    ("PROC TPShow(tpnum Window)", shown),
+    (
+        "PROC UIShow(string AssemblyName, string TypeName \\string InitCmd)",
+        shown,
+    ),
+    ("FUNC bool UIClientExist()", client),
+];
+
+/// A question with its time limit and break signals.
+struct Asked {
+    instruction: &'static str,
+    text: String,
+    /// Arguments: the time limit, the input that breaks off, and the variable that then tells why.
+    max_time: usize,
+    break_input: usize,
+    break_flag: usize,
+}
+
+/// The answer; `None` while nobody answers. With a break flag, being broken off is no error and the answer is empty.
+fn ask(
+    context: &mut CallContext<'_>,
+    system: &mut dyn System,
+    asked: Asked,
+) -> Result<Option<String>, RaisedError> {
+    let question = Question {
+        instruction: asked.instruction,
+        text: asked.text,
+    };
+    if let Poll::Ready(answer) = system.answer(&question) {
+        return Ok(Some(answer));
+    }
+    let late = match context.optional_number(asked.max_time)? {
+        Some(limit) => context.elapsed(system.now()).as_secs_f64() >= limit,
+        None => false,
+    };
+    let broken = if context.is_given(asked.break_input) {
+        let signal = context.signal(asked.break_input)?;
+        // \DIPassive breaks off on 0 instead of 1.
+        let wanted = if context.is_given(asked.break_input + 1) {
+            0.0
+        } else {
+            1.0
+        };
+        let value = system.signal(&signal);
+        value.map_err(|fault| context.system_fault(fault))? == wanted
+    } else {
+        false
+    };
+    if !late && !broken {
+        return Ok(None);
+    }
+    let name = if late {
+        "ERR_TP_MAXTIME"
+    } else {
+        "ERR_TP_DIBREAK"
+    };
+    let raised = error(
+        name,
+        format!("nobody answered {} in time", asked.instruction),
+    );
+    if context.is_given(asked.break_flag) {
+        context.assign_number(asked.break_flag, raised.number as f64)?;
+        return Ok(Some(String::new()));
+    }
+    Err(raised)
+}
+
+/// The text of `\Message` or `\MsgArray`.
+fn text(context: &CallContext<'_>, message: usize) -> Result<String, RaisedError> {
+    match (context.value(message)?, context.value(message + 1)?) {
+        (Some(Value::Str(text)), _) => Ok(text.clone()),
+        (_, Some(Value::Array(lines))) => {
+            let lines = lines.iter().map(|line| match line {
+                Value::Str(line) => line.as_str(),
+                _ => "",
+            });
+            Ok(lines.collect::<Vec<_>>().join(" ").trim().to_owned())
+        }
+        _ => Ok(String::new()),
+    }
+}
+
+/// The number of a button from its number or its name, or from the program's own names (counted from 1).
+fn button(
+    context: &CallContext<'_>,
+    own: usize,
+    instruction: &str,
+    answer: &str,
+) -> Result<f64, RaisedError> {
+    const NAMES: [&str; 8] = ["", "ok", "abort", "retry", "ignore", "cancel", "yes", "no"];
+    let answer = answer.trim();
+    if let Ok(number) = answer.parse() {
+        return Ok(number);
+    }
+    let found = match context.value(own)? {
+        Some(Value::Array(names)) => names
+            .iter()
+            .position(|name| matches!(name, Value::Str(name) if name.eq_ignore_ascii_case(answer)))
+            .map(|index| index + 1),
+        _ => NAMES
+            .iter()
+            .skip(1)
+            .position(|name| name.eq_ignore_ascii_case(answer))
+            .map(|index| index + 1),
+    };
+    match found {
+        Some(number) => Ok(number as f64),
+        None if answer.is_empty() => Ok(0.0),
+        None => Err(context.argument_error(format!(
+            "the answer to {instruction} is {answer:?}, expected a button by number or name"
+        ))),
+    }
+}
+
+fn message_box(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let asked = Asked {
+        instruction: "UIMessageBox",
+        text: text(context, 1)?,
+        max_time: 9,
+        break_input: 10,
+        break_flag: 14,
+    };
+    match ask(context, system, asked)? {
+        None => Ok(Outcome::Blocked),
+        Some(answer) => {
+            let button = button(context, 5, "UIMessageBox", &answer)?;
+            Ok(Outcome::Done(Value::Num(button as f32)))
+        }
+    }
+}
+
+/// The answer is the number of an item, or its text.
+fn list_view(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let items: Vec<String> = match context.required(2)? {
+        Value::Array(items) => items
+            .iter()
+            .map(|item| match part(item, 1) {
+                Value::Str(text) => text.clone(),
+                _ => String::new(),
+            })
+            .collect(),
+        _ => Vec::new(),
+    };
+    let header = if context.is_given(1) {
+        context.string(1)?
+    } else {
+        String::new()
+    };
+    let asked = Asked {
+        instruction: "UIListView",
+        text: format!("{header}: {}", items.join(", ")),
+        max_time: 7,
+        break_input: 8,
+        break_flag: 12,
+    };
+    let Some(answer) = ask(context, system, asked)? else {
+        return Ok(Outcome::Blocked);
+    };
+    let answer = answer.trim();
+    let chosen = match answer.parse::<usize>() {
+        Ok(number) => number,
+        Err(_) if answer.is_empty() => 0,
+        Err(_) => items
+            .iter()
+            .position(|item| item.eq_ignore_ascii_case(answer))
+            .map_or(usize::MAX, |index| index + 1),
+    };
+    if chosen > items.len() {
+        return Err(context.argument_error(format!(
+            "the answer to UIListView is {answer:?}, expected 1 to {} or the text of an item",
+            items.len()
+        )));
+    }
+    if context.is_given(0) {
+        // The button OK.
+        context.assign_number(0, 1.0)?;
+    }
+    Ok(Outcome::Done(Value::Num(chosen as f32)))
+}
+
+fn text_entry(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let asked = Asked {
+        instruction: "UIAlphaEntry",
+        text: text(context, 1)?,
+        max_time: 6,
+        break_input: 7,
+        break_flag: 11,
+    };
+    match ask(context, system, asked)? {
+        None => Ok(Outcome::Blocked),
+        Some(answer) => {
+            let limit = context.rules.string_limit;
+            Ok(Outcome::Done(Value::Str(
+                answer.chars().take(limit).collect(),
+            )))
+        }
+    }
+}
+
+/// A number within the limits of two arguments.
+fn within(
+    context: &CallContext<'_>,
+    instruction: &str,
+    answer: &str,
+    least: usize,
+    most: usize,
+) -> Result<f64, RaisedError> {
+    let least = context.optional_number(least)?.unwrap_or(f64::NEG_INFINITY);
+    let most = context.optional_number(most)?.unwrap_or(f64::INFINITY);
+    match answer.trim().parse::<f64>() {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        _ => Err(context.argument_error(format!(
+            "the answer to {instruction} is {answer:?}, expected a number from {least} to {most}"
+        ))),
+    }
+}
+
+fn number_entry(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let asked = Asked {
+        instruction: "UIDnumEntry",
+        text: text(context, 1)?,
+        max_time: 9,
+        break_input: 10,
+        break_flag: 14,
+    };
+    match ask(context, system, asked)? {
+        None => Ok(Outcome::Blocked),
+        Some(answer) => {
+            let number = within(context, "UIDnumEntry", &answer, 6, 7)?;
+            Ok(Outcome::Done(Value::Dnum(number)))
+        }
+    }
+}
+
+fn number_tune(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let asked = Asked {
+        instruction: "UINumTune",
+        text: text(context, 1)?,
+        max_time: 9,
+        break_input: 10,
+        break_flag: 14,
+    };
+    match ask(context, system, asked)? {
+        None => Ok(Outcome::Blocked),
+        Some(answer) => {
+            let number = within(context, "UINumTune", &answer, 7, 8)?;
+            Ok(Outcome::Done(Value::Num(number as f32)))
+        }
+    }
+}
+
+fn read_dnum(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let asked = Asked {
+        instruction: "TPReadDnum",
+        text: context.string(1)?,
+        max_time: 2,
+        break_input: 3,
+        break_flag: 7,
+    };
+    match ask(context, system, asked)? {
+        None => Ok(Outcome::Blocked),
+        Some(answer) => {
+            let number = within(context, "TPReadDnum", &answer, usize::MAX, usize::MAX)?;
+            context.assign_number(0, number)?;
+            Ok(Outcome::Done(Value::Absent))
+        }
+    }
+}
+
+/// The simulation has no windows to show.
+fn shown(_: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
+    Ok(Outcome::Done(Value::Absent))
+}
+
+fn client(_: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
+    Ok(Outcome::Done(Value::Bool(true)))
+}

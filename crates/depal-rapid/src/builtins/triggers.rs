@@ -1,0 +1,201 @@
+//! Outputs that are set at a place or a time on the way of a move.
+
+use depal_time::SimDuration;
+use depal_vm::system::{MoveKind, PathEvent, PathPlace, System};
+use depal_vm::{CallContext, Outcome, RaisedError, Value};
+
+use super::motion::{Places, cartesian, perform};
+use super::records::{number, part};
+use super::table::Entry;
+
+type Ran = Result<Outcome, RaisedError>;
+
+pub(super) const ENTRIES: [Entry; 5] = [
+    (
+        "PROC TriggIO(INOUT triggdata TriggData, num Distance \\switch Start | switch Time \\signaldo DOp | signalgo GOp | signalao AOp, numeric SetValue \\num DODelay)",
+        trigg_io,
+    ),
+    (
+        "PROC TriggEquip(INOUT triggdata TriggData, num Distance \\switch Start, num EquipLag \\signaldo DOp | signalgo GOp | signalao AOp, numeric SetValue \\bool Inhib)",
+        trigg_equip,
+    ),
+    (
+        "PROC TriggL(\\switch Conc, robtarget ToPoint \\num ID, speeddata Speed \\num T, triggdata Trigg_1 \\triggdata T2 \\triggdata T3 \\triggdata T4 \\triggdata T5 \\triggdata T6 \\triggdata T7 \\triggdata T8, zonedata Zone \\stoppointdata Inpos, tooldata Tool \\wobjdata WObj \\switch Corr \\loaddata TLoad)",
+        trigg_l,
+    ),
+    (
+        "PROC TriggJ(\\switch Conc, robtarget ToPoint \\num ID, speeddata Speed \\num T, triggdata Trigg_1 \\triggdata T2 \\triggdata T3 \\triggdata T4 \\triggdata T5 \\triggdata T6 \\triggdata T7 \\triggdata T8, zonedata Zone \\stoppointdata Inpos, tooldata Tool \\wobjdata WObj \\loaddata TLoad)",
+        trigg_j,
+    ),
+    (
+        "PROC TriggC(\\switch Conc, robtarget CirPoint, robtarget ToPoint \\num ID, speeddata Speed \\num T, triggdata Trigg_1 \\triggdata T2 \\triggdata T3 \\triggdata T4 \\triggdata T5 \\triggdata T6 \\triggdata T7 \\triggdata T8, zonedata Zone \\stoppointdata Inpos, tooldata Tool \\wobjdata WObj \\switch Corr \\loaddata TLoad)",
+        trigg_c,
+    ),
+];
+
+/// What `triggdata` counts from.
+const NOT_DEFINED: f64 = 0.0;
+const BEFORE_END: f64 = 1.0;
+const AFTER_START: f64 = 2.0;
+
+/// The signal and the value of arguments `first` (three alternatives) and `first + 3`.
+fn output(
+    context: &CallContext<'_>,
+    system: &dyn System,
+    first: usize,
+) -> Result<(String, f64), RaisedError> {
+    let given = (first..first + 3).find(|index| context.is_given(*index));
+    let Some(index) = given else {
+        return Err(context.argument_error("one of \\DOp, \\GOp and \\AOp must be given"));
+    };
+    let signal = context.signal(index)?;
+    // An unknown signal is told here, at the instruction that names it.
+    system
+        .signal(&signal)
+        .map_err(|fault| context.system_fault(fault))?;
+    let value = context.number(first + 3)?;
+    let value = if index == first {
+        f64::from(u8::from(value != 0.0))
+    } else {
+        value
+    };
+    Ok((signal, value))
+}
+
+fn store(
+    context: &mut CallContext<'_>,
+    (kind, distance_mm, lead_s, delay_s): (f64, f64, f64, f64),
+    (signal, value): (String, f64),
+) -> Ran {
+    let mut fields: Vec<_> = [kind, distance_mm, lead_s, delay_s]
+        .map(|v| Value::Num(v as f32))
+        .into();
+    fields.push(Value::Str(signal));
+    fields.push(Value::Dnum(value));
+    context.assign(0, Value::Record(fields))?;
+    Ok(Outcome::Done(Value::Absent))
+}
+
+/// A distance before the end (or after the start), or a time before the end.
+fn trigg_io(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let amount = context.number(1)?;
+    let (start, time) = (context.is_given(2), context.is_given(3));
+    let delay = context.optional_number(8)?.unwrap_or(0.0);
+    if amount < 0.0 || delay < 0.0 {
+        return Err(context.argument_error(format!(
+            "TriggIO: distance or time {amount} and delay {delay} must not be below 0"
+        )));
+    }
+    if time && amount > 0.5 {
+        return Err(context.argument_error(format!(
+            "TriggIO \\Time: {amount} s before the end, at most 0.5 s; take a distance"
+        )));
+    }
+    let place = match (start, time) {
+        (true, _) => (AFTER_START, amount, 0.0, delay),
+        (_, true) => (BEFORE_END, 0.0, amount, delay),
+        _ => (BEFORE_END, amount, 0.0, delay),
+    };
+    let output = output(context, system, 4)?;
+    store(context, place, output)
+}
+
+/// A distance, less the time that the equipment takes; a negative lag sets it later.
+fn trigg_equip(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let distance = context.number(1)?;
+    let lag = context.number(3)?;
+    if distance < 0.0 || lag > 0.5 {
+        return Err(context.argument_error(format!(
+            "TriggEquip: distance {distance} mm must not be below 0, lag {lag} s not above 0.5"
+        )));
+    }
+    let kind = if context.is_given(2) {
+        AFTER_START
+    } else {
+        BEFORE_END
+    };
+    let output = output(context, system, 4)?;
+    // With \\Inhib TRUE the output is set to 0 instead.
+    let inhibited = context.value(8)? == Some(&Value::Bool(true));
+    let output = (output.0, if inhibited { 0.0 } else { output.1 });
+    store(
+        context,
+        (kind, distance, lag.max(0.0), (-lag).max(0.0)),
+        output,
+    )
+}
+
+fn event(context: &CallContext<'_>, index: usize) -> Result<Option<PathEvent>, RaisedError> {
+    let Some(data) = context.value(index)? else {
+        return Ok(None);
+    };
+    let metres = number(data, 1) * 1e-3;
+    let kind = number(data, 0);
+    let Value::Str(signal) = part(data, 4) else {
+        return Err(context.argument_error("this is no triggdata"));
+    };
+    if kind == NOT_DEFINED {
+        return Err(context.argument_error(
+            "the triggdata is not defined; call TriggIO or TriggEquip with it first",
+        ));
+    }
+    Ok(Some(PathEvent {
+        place: if kind == AFTER_START {
+            PathPlace::AfterStart(metres)
+        } else {
+            PathPlace::BeforeEnd(metres)
+        },
+        lead: SimDuration::from_secs_f64(number(data, 2)),
+        delay: SimDuration::from_secs_f64(number(data, 3)),
+        signal: signal.clone(),
+        value: number(data, 5),
+    }))
+}
+
+/// `target \ID, Speed \T, Trigg_1 \T2 .. \T8, Zone \Inpos, Tool \WObj \Corr` with the target at an index.
+const fn places(via: Option<usize>, target: usize, correction: bool) -> Places {
+    Places {
+        conc: Some(0),
+        via,
+        target,
+        speed: target + 2,
+        v: None,
+        t: Some(target + 3),
+        zone: Some(target + 12),
+        z: None,
+        in_position: Some(target + 13),
+        tool: target + 14,
+        work_object: target + 15,
+        correction: if correction { Some(target + 16) } else { None },
+    }
+}
+
+fn trigg(
+    context: &mut CallContext<'_>,
+    system: &mut dyn System,
+    kind: MoveKind,
+    places: &Places,
+) -> Ran {
+    perform(context, system, |context, system| {
+        let mut asked = cartesian(context, system, kind, places)?;
+        for index in places.target + 4..places.target + 12 {
+            asked.along.extend(event(context, index)?);
+        }
+        Ok(asked)
+    })
+}
+
+fn trigg_l(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    const PLACES: Places = places(None, 1, true);
+    trigg(context, system, MoveKind::Linear, &PLACES)
+}
+
+fn trigg_j(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    const PLACES: Places = places(None, 1, false);
+    trigg(context, system, MoveKind::Joint, &PLACES)
+}
+
+fn trigg_c(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    const PLACES: Places = places(Some(1), 2, true);
+    trigg(context, system, MoveKind::Linear, &PLACES)
+}

@@ -1,0 +1,103 @@
+use super::{Page, page};
+
+/// What declarations can have wrong.
+pub(super) const PAGES: [Page; 14] = [
+    page(
+        "RAPID0103",
+        "an unknown type",
+        "There is no data type of this name: no type of the language, no RECORD and no ALIAS.",
+        "MODULE m\n  VAR nmu a;\nENDMODULE",
+        "MODULE m\n  VAR num a;\nENDMODULE",
+    ),
+    page(
+        "RAPID0110",
+        "a name declared twice",
+        "Within a routine, a module, or, for what is not LOCAL, a task, a name is declared once. Upper and lower case do not differ.",
+        "MODULE m\n  VAR num a;\n  VAR bool A;\nENDMODULE",
+        "MODULE m\n  VAR num a;\n  VAR bool b;\nENDMODULE",
+    ),
+    page(
+        "RAPID0116",
+        "no constant",
+        "The size of an array is fixed before the program runs: a number, or a constant. The numbers of an ERROR clause are numbers, constants, or data that hold one.",
+        "MODULE m\n  VAR num n := 3;\n  VAR num list{n};\nENDMODULE",
+        "MODULE m\n  CONST num n := 3;\n  VAR num list{n};\nENDMODULE",
+    ),
+    page(
+        "RAPID0117",
+        "nothing to start",
+        "The task starts at a procedure without required parameters: main, unless another is named.",
+        "MODULE m\n  PROC mian()\n  ENDPROC\nENDMODULE",
+        "MODULE m\n  PROC main()\n  ENDPROC\nENDMODULE",
+    ),
+    page(
+        "RAPID0120",
+        "a module that is not used",
+        "No routine of the module is called and none of its data are used, directly or indirectly, from where the task starts. The program runs without it.",
+        "MODULE m\n  PROC main()\n  ENDPROC\nENDMODULE\nMODULE spare\n  PROC other()\n  ENDPROC\nENDMODULE",
+        "MODULE m\n  PROC main()\n    other;\n  ENDPROC\nENDMODULE\nMODULE spare\n  PROC other()\n  ENDPROC\nENDMODULE",
+    ),
+    page(
+        "RAPID0121",
+        "a function without RETURN",
+        "A function gives its value with RETURN. This one never does; every call of it ends with the error ERR_NORETURN.",
+        "MODULE m\n  FUNC num f()\n    TPWrite \"a\";\n  ENDFUNC\nENDMODULE",
+        "MODULE m\n  FUNC num f()\n    TPWrite \"a\";\n    RETURN 1;\n  ENDFUNC\nENDMODULE",
+    ),
+    page(
+        "RAPID0123",
+        "an aggregate of unknown type",
+        "What [1,2,3] means depends on the type that is expected. Where any type could stand, it cannot be told.",
+        "TPWrite ValToStr([1,2,3]);",
+        "MODULE m\n  VAR pos p := [1,2,3];\n  PROC main()\n    TPWrite ValToStr(p);\n  ENDPROC\nENDMODULE",
+    ),
+    page(
+        "RAPID0124",
+        "an aggregate with too many or too few components",
+        "An aggregate has a value for each component of its record, or for each element of its array.",
+        "MODULE m\n  VAR pos p := [1,2];\nENDMODULE",
+        "MODULE m\n  VAR pos p := [1,2,0];\nENDMODULE",
+    ),
+    page(
+        "RAPID0131",
+        "data that cannot be assigned",
+        "Sockets, clocks and rawbytes hold a state, not a value: they are changed by their instructions only.",
+        "MODULE m\n  VAR clock a;\n  VAR clock b;\n  PROC main()\n    a := b;\n  ENDPROC\nENDMODULE",
+        "MODULE m\n  VAR clock a;\n  PROC main()\n    ClkStart a;\n  ENDPROC\nENDMODULE",
+    ),
+    page(
+        "RAPID0132",
+        "a record inside itself",
+        "A component's type is declared before the record that has it, so that no record holds itself.",
+        "MODULE m\n  RECORD item num n; item next; ENDRECORD\nENDMODULE",
+        "MODULE m\n  RECORD item num n; num next; ENDRECORD\nENDMODULE",
+    ),
+    page(
+        "RAPID0133",
+        "a constant without a value",
+        "A CONST has its value in its declaration.",
+        "MODULE m\n  CONST num limit;\nENDMODULE",
+        "MODULE m\n  CONST num limit := 5;\nENDMODULE",
+    ),
+    page(
+        "RAPID0134",
+        "PERS in a routine",
+        "Persistent data belong to a module; a routine has VAR and CONST.",
+        "MODULE m\n  PROC main()\n    PERS num n := 1;\n  ENDPROC\nENDMODULE",
+        "MODULE m\n  PERS num n := 1;\n  PROC main()\n  ENDPROC\nENDMODULE",
+    ),
+    page(
+        "RAPID0135",
+        "a value that depends on itself",
+        "Initial values may use what is declared elsewhere, but not in a circle.",
+        "MODULE m\n  CONST num a := b;\n  CONST num b := a;\nENDMODULE",
+        "MODULE m\n  CONST num a := b;\n  CONST num b := 1;\nENDMODULE",
+    ),
+    page(
+        "RAPID0112",
+        "not simulated",
+        "The controller knows this instruction, function or type; the simulation does not run it. The message says why, and what to do instead where there is something.",
+        "EGMStop id, EGM_STOP_HOLD;",
+        "TPWrite \"no external guidance here\";",
+    ),
+];

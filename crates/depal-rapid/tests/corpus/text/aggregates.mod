@@ -1,0 +1,1 @@
+MODULE m VAR pos p := [1,[2],3]; VAR num a{2,2} := [[1,2],[3]]; VAR robtarget t := []; ENDMODULE

@@ -1,0 +1,7 @@
+﻿%%%
+  VERSION:1
+  LANGUAGE:ENGLISH
+%%%
+MODULE m
+  VAR num a;
+ENDMODULE

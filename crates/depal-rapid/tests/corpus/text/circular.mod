@@ -1,0 +1,1 @@
+MODULE m CONST num a := b; CONST num b := a; RECORD r s x; ENDRECORD RECORD s r y; ENDRECORD ALIAS t u; ALIAS u t; ENDMODULE

@@ -1,0 +1,1 @@
+MODULE m CONST string a := "\\ \0D \ZZ \\\" \"; CONST string b := """"; ENDMODULE

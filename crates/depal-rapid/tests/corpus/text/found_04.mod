@@ -1,0 +1,1 @@
+MODULE m CONST num a := b; CONST num b := a; RECORD r s x; ENDRECORD RECORDns r y; ENDRECORD ALum b := a; RECORD r s x; ENLE

@@ -1,0 +1,1 @@
+MODULE m PROC main() IF a THEN IF a THEN IF a THEN IF a THEN IF a THEN IF a THEN IF a THEN IF a TODU'LE m ENDMODULE€‚ƒ„…†‡ˆ‰Š‹Œ a THEN IF a THEN IF a THEN IF a THENHEN IF a TH IF a THEN IF a THEN IF a THENÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿÿ IF a THE- N IF a THEN IF a THEN

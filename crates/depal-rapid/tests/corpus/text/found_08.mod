@@ -1,0 +1,1 @@
+MODRAPID0060ST string a := "\\ \0D \ZZ \\\" \"] CONST string b := EN\0DDMODULE

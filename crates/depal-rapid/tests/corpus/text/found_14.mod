@@ -1,0 +1,1 @@
+MODULE m CONST dnum a := 1xFFFFFFFFFFFFFFFF; CONST dnum b :=MODULE m ENDMODULE€‚ƒ„…†‡ˆØŠ‹ŒŽ‘’“”•–—˜™š›œ99; ENDMODULE

@@ -1,0 +1,1 @@
+MODULE m PROC main() a: a: GOTO b; GOTO a; ERROR c: GOTO c; ENDPROC ENDMODULE

@@ -1,0 +1,1 @@
+MODULE m PROC main() %"p"%; %1%; %"p" a; %%; ENDPROC ENDMODULE

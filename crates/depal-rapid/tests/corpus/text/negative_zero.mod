@@ -1,0 +1,1 @@
+MODULE m PROC main() x := - - + - 0; y := -(-1); z := -a.b; ENDPROC ENDMODULE

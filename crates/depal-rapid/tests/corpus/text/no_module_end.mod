@@ -1,0 +1,1 @@
+MODULE a MODULE b PROC main() ENDPROC

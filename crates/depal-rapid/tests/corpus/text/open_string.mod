@@ -1,0 +1,1 @@
+MODULE m PROC main() TPWrite "abc

@@ -1,0 +1,1 @@
+MODULE m PROC p(\num a | \ | , VAR INOUT num b{*,*,*,*,*} switch) ENDPROC FUNC f( ENDFUNC ENDMODULE

@@ -1,0 +1,4 @@
+MODULE größe
+  ! 5 °C für €
+  VAR num länge;
+ENDMODULE

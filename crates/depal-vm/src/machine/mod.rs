@@ -1,0 +1,210 @@
+mod calls;
+mod errors;
+mod interrupts;
+mod operations;
+mod step;
+
+use std::sync::Arc;
+
+use crate::execution::Step;
+use crate::memory::{Frame, Memory};
+use crate::plain::{PlainCode, translate};
+use crate::system::ProgramLocation;
+use crate::{MachineFault, Program, RaisedError, Reference, Value};
+
+/// Runs a [`Program`], one statement a step. Cloning it is a snapshot of the whole task.
+#[derive(Debug, Clone)]
+pub struct Machine {
+    program: Arc<Program>,
+    /// The second form of each routine's code.
+    plain: Arc<[PlainCode]>,
+    memory: Memory,
+    location: ProgramLocation,
+    located_routine: Option<u32>,
+    last_error: i64,
+    ended: Option<Step>,
+    single_cycle: bool,
+    /// An error on its way through UNDO clauses to the frame of this height.
+    unwinding: Option<(RaisedError, usize)>,
+    /// Emptied locals and operands of frames that were left, to be filled again.
+    spare: Vec<(Vec<Value>, Vec<Value>)>,
+}
+
+/// What an operation asks of the loop around it.
+enum Flow {
+    Next,
+    Blocked,
+    End(Step),
+}
+
+impl Machine {
+    /// A machine that stands before the first statement of the program's entry.
+    pub fn new(program: Arc<Program>, task: impl Into<String>) -> Self {
+        let memory = Memory {
+            globals: program.globals.clone(),
+            ..Memory::default()
+        };
+        let code = program.routines.iter().map(|r| translate(&r.code));
+        let mut machine = Self {
+            plain: code.collect(),
+            program,
+            memory,
+            location: ProgramLocation {
+                task: task.into(),
+                ..ProgramLocation::default()
+            },
+            located_routine: None,
+            last_error: 0,
+            ended: None,
+            single_cycle: false,
+            unwinding: None,
+            spare: Vec::new(),
+        };
+        machine.begin();
+        if let Some(initializer) = machine.program.initializer {
+            machine.push_frame(initializer, Vec::new());
+        }
+        machine.locate();
+        machine
+    }
+
+    /// Ends the task where the program would begin anew (ExitCycle), as in single cycle mode.
+    #[must_use]
+    pub fn single_cycle(mut self) -> Self {
+        self.single_cycle = true;
+        self
+    }
+
+    /// Only the loop over operations, to compare with.
+    #[cfg(test)]
+    pub(crate) fn without_plain(mut self) -> Self {
+        self.plain = self.plain.iter().map(|_| PlainCode::default()).collect();
+        self
+    }
+
+    /// The program's data.
+    pub fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    /// The program that runs.
+    pub fn program(&self) -> &Program {
+        &self.program
+    }
+
+    /// Value of a module variable by name, without regard to case.
+    pub fn global(&self, name: &str) -> Option<&Value> {
+        self.memory.globals.get(self.program.global(name)?)
+    }
+
+    /// The places of all routines being run, innermost first.
+    pub fn call_stack(&self) -> Vec<ProgramLocation> {
+        let initializer = self.program.initializer;
+        self.memory
+            .frames
+            .iter()
+            .rev()
+            .filter(|frame| frame.line > 0 || initializer == Some(frame.routine))
+            .map(|frame| self.location_of(frame))
+            .collect()
+    }
+
+    fn location_of(&self, frame: &Frame) -> ProgramLocation {
+        let routine = &self.program.routines[frame.routine as usize];
+        ProgramLocation {
+            task: self.location.task.clone(),
+            module: routine.module.clone(),
+            routine: routine.name.clone(),
+            line: if frame.line == 0 {
+                routine.line
+            } else {
+                frame.line
+            },
+        }
+    }
+
+    fn begin(&mut self) {
+        self.memory.frames.clear();
+        if (self.program.entry as usize) < self.program.routines.len() {
+            self.push_frame(self.program.entry, Vec::new());
+        }
+    }
+
+    fn push_frame(&mut self, routine: u32, arguments: Vec<Value>) {
+        let code = &self.program.routines[routine as usize];
+        let mut locals = code.locals.clone();
+        for (slot, value) in locals.iter_mut().zip(arguments) {
+            *slot = value;
+        }
+        self.memory.frames.push(Frame {
+            routine,
+            locals,
+            ..Frame::default()
+        });
+    }
+
+    /// Brings `location` up to date with the innermost frame.
+    fn locate(&mut self) {
+        let Some(frame) = self.memory.frames.last() else {
+            return;
+        };
+        let routine = &self.program.routines[frame.routine as usize];
+        if self.located_routine != Some(frame.routine) {
+            self.located_routine = Some(frame.routine);
+            self.location.module.clone_from(&routine.module);
+            self.location.routine.clone_from(&routine.name);
+        }
+        self.location.line = if frame.line == 0 {
+            routine.line
+        } else {
+            frame.line
+        };
+    }
+
+    fn frame(&mut self) -> &mut Frame {
+        self.memory
+            .frames
+            .last_mut()
+            .expect("operations run inside a frame")
+    }
+
+    fn pop(&mut self) -> Value {
+        self.frame()
+            .operands
+            .pop()
+            .expect("the lowering balances the operand stack")
+    }
+
+    fn push(&mut self, value: Value) {
+        self.frame().operands.push(value);
+    }
+
+    fn pop_many(&mut self, count: u32) -> Vec<Value> {
+        let operands = &mut self.frame().operands;
+        let at = operands
+            .len()
+            .checked_sub(count as usize)
+            .expect("the lowering balances the operand stack");
+        operands.split_off(at)
+    }
+
+    fn pop_bool(&mut self) -> Result<bool, MachineFault> {
+        match self.pop() {
+            Value::Bool(value) => Ok(value),
+            other => Err(MachineFault::Argument {
+                message: format!("a condition is {}", other.kind_name()),
+            }),
+        }
+    }
+
+    fn jump(&mut self, target: u32) {
+        self.frame().pc = target;
+    }
+
+    fn pop_reference(&mut self) -> Result<Reference, MachineFault> {
+        match self.pop() {
+            Value::Reference(reference) => Ok(reference),
+            _ => Err(MachineFault::NotPresent),
+        }
+    }
+}

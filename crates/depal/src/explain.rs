@@ -1,0 +1,22 @@
+//! `depal explain`: the page of a message's code.
+
+use crate::failure::Failure;
+
+/// Prints the page of a code, or all codes with their titles.
+pub fn explain(code: Option<&str>) -> Result<(), Failure> {
+    let Some(code) = code else {
+        for page in depal_rapid::pages() {
+            println!("{}  {}", page.code, page.title);
+        }
+        return Ok(());
+    };
+    match depal_rapid::explain(code) {
+        Some(page) => {
+            print!("{}", page.markdown());
+            Ok(())
+        }
+        None => Err(Failure::Input(format!(
+            "there is no message with the code {code:?}; `depal explain` lists all codes"
+        ))),
+    }
+}
