@@ -45,6 +45,7 @@
 //! - The known sizes must differ by more than the size tolerance plus two pixels.
 
 mod arrange;
+pub mod calibration;
 mod components;
 mod detect;
 mod detection;
