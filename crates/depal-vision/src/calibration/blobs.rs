@@ -83,7 +83,7 @@ fn as_spot(frame: &DepthFrame, board: &CircleBoard, piece: &Piece) -> Option<Spo
     ];
     let determinant = covariance[0] * covariance[2] - covariance[1] * covariance[1];
     let ellipse = 4.0 * std::f64::consts::PI * determinant.max(0.0).sqrt();
-    let half_trace = (covariance[0] + covariance[2]) / 2.0;
+    let half_trace = f64::midpoint(covariance[0], covariance[2]);
     let root = (half_trace * half_trace - determinant).max(0.0).sqrt();
     let roundness = ((half_trace - root).max(0.0) / (half_trace + root)).sqrt();
     if !(0.85..1.15).contains(&(n / ellipse)) || roundness < 0.4 {

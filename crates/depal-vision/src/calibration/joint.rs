@@ -6,6 +6,8 @@
 use depal_frames::{Point, Pose, Rotation, Vector};
 use nalgebra::{Matrix3, SMatrix, SVector};
 
+use super::weights::Weights;
+
 /// Rotation and translation of `camera_from_hub`, then of `carrier_from_board`.
 pub type Normal = SMatrix<f64, 12, 12>;
 type Step = SVector<f64, 12>;
@@ -57,11 +59,6 @@ impl Problem<'_> {
             })
     }
 
-    /// A touched point counts as much as a picture: it is measured about as well as a board's middle.
-    fn touch_weight(&self) -> f64 {
-        self.in_board.len() as f64
-    }
-
     fn gauge(&self, unknowns: &Unknowns) -> Gauge {
         let count = (self.hub_from_carrier.len() * self.in_board.len()).max(1) as f64;
         let sum = self
@@ -80,61 +77,78 @@ impl Problem<'_> {
         }
     }
 
-    /// Sum of squared residuals, square metres.
-    pub fn cost(&self, unknowns: &Unknowns) -> f64 {
-        let discs: f64 = self
-            .in_hub(unknowns)
-            .map(|(i, k, p)| (unknowns.camera_from_hub * p - self.in_camera[i][k]).norm_squared())
-            .sum();
+    /// Weighted sum of squared residuals, in square metres of a disc centre's own noise.
+    fn cost(&self, unknowns: &Unknowns, weights: &Weights) -> f64 {
+        let mut sum = 0.0;
+        for (i, pose) in weights.poses.iter().enumerate() {
+            let camera_from_board =
+                unknowns.camera_from_hub * self.hub_from_carrier[i] * unknowns.carrier_from_board;
+            let mut squares = 0.0;
+            let mut shared = SVector::zeros();
+            for (k, b) in self.in_board.iter().enumerate() {
+                let residual = camera_from_board * b - self.in_camera[i][k];
+                squares += residual.norm_squared();
+                shared += pose.shared[k].transpose() * residual;
+            }
+            sum += squares - shared.dot(&(pose.inverse * shared));
+        }
         let touched: f64 = self
             .touched
             .iter()
             .map(|(c, h)| (unknowns.camera_from_hub * h - c).norm_squared())
             .sum();
-        discs + self.touch_weight() * touched
+        sum + weights.touched * touched
     }
 
-    fn normal_equations(&self, unknowns: &Unknowns, gauge: &Gauge) -> (Normal, Step) {
+    fn normal_equations(
+        &self,
+        unknowns: &Unknowns,
+        gauge: &Gauge,
+        weights: &Weights,
+    ) -> (Normal, Step) {
         let mut normal = Normal::zeros();
         let mut right = Step::zeros();
         let turn_x = unknowns.camera_from_hub.rotation.to_rotation_matrix();
-        let turns: Vec<Matrix3<f64>> = self
-            .hub_from_carrier
-            .iter()
-            .map(|m| (turn_x * m.rotation.to_rotation_matrix()).into_inner())
-            .collect();
+        let from_middle = |in_hub: &Point| {
+            let arm = turn_x * (in_hub.coords - gauge.middle_in_hub);
+            -arm.cross_matrix() / gauge.lever_x
+        };
         let mut jacobian = SMatrix::<f64, 3, 12>::zeros();
-        for (i, k, in_hub) in self.in_hub(unknowns) {
-            let residual = unknowns.camera_from_hub * in_hub - self.in_camera[i][k];
-            let arm_x = turn_x * (in_hub.coords - gauge.middle_in_hub);
-            let arm_y = unknowns.carrier_from_board.rotation * self.in_board[k].coords;
-            let set = |at: usize, block: Matrix3<f64>, j: &mut SMatrix<f64, 3, 12>| {
-                j.fixed_view_mut::<3, 3>(0, at).copy_from(&block);
-            };
-            set(0, -arm_x.cross_matrix() / gauge.lever_x, &mut jacobian);
-            set(3, Matrix3::identity(), &mut jacobian);
-            set(
-                6,
-                -turns[i] * arm_y.cross_matrix() / gauge.lever_y,
-                &mut jacobian,
-            );
-            set(9, turns[i], &mut jacobian);
-            normal += jacobian.transpose() * jacobian;
-            right -= jacobian.transpose() * residual;
+        jacobian.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
+        for (i, m) in self.hub_from_carrier.iter().enumerate() {
+            let hub_from_board = m * unknowns.carrier_from_board;
+            let turn: Matrix3<f64> = (turn_x * m.rotation.to_rotation_matrix()).into_inner();
+            jacobian.fixed_view_mut::<3, 3>(0, 9).copy_from(&turn);
+            let pose = &weights.poses[i];
+            let mut shared = SMatrix::<f64, 9, 12>::zeros();
+            let mut shared_right = SVector::<f64, 9>::zeros();
+            for (k, b) in self.in_board.iter().enumerate() {
+                let in_hub = hub_from_board * b;
+                let residual = unknowns.camera_from_hub * in_hub - self.in_camera[i][k];
+                let arm_y = unknowns.carrier_from_board.rotation * b.coords;
+                jacobian
+                    .fixed_view_mut::<3, 3>(0, 0)
+                    .copy_from(&from_middle(&in_hub));
+                jacobian
+                    .fixed_view_mut::<3, 3>(0, 6)
+                    .copy_from(&(-turn * arm_y.cross_matrix() / gauge.lever_y));
+                normal += jacobian.transpose() * jacobian;
+                right -= jacobian.transpose() * residual;
+                shared += pose.shared[k].transpose() * jacobian;
+                shared_right += pose.shared[k].transpose() * residual;
+            }
+            normal -= shared.transpose() * pose.inverse * shared;
+            right += shared.transpose() * (pose.inverse * shared_right);
         }
-        let weight = self.touch_weight();
         for (in_camera, in_hub) in self.touched {
             let residual = unknowns.camera_from_hub * in_hub - in_camera;
-            let arm_x = turn_x * (in_hub.coords - gauge.middle_in_hub);
             let mut jacobian = SMatrix::<f64, 3, 12>::zeros();
             jacobian
                 .fixed_view_mut::<3, 3>(0, 0)
-                .copy_from(&(-arm_x.cross_matrix() / gauge.lever_x));
-            jacobian
-                .fixed_view_mut::<3, 3>(0, 3)
-                .copy_from(&Matrix3::identity());
-            normal += jacobian.transpose() * jacobian * weight;
-            right -= jacobian.transpose() * residual * weight;
+                .copy_from(&from_middle(in_hub));
+            jacobian.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
+            normal += jacobian.transpose() * jacobian * weights.touched;
+            right -= jacobian.transpose() * residual * weights.touched;
         }
         (normal, right)
     }
@@ -143,17 +157,36 @@ impl Problem<'_> {
     /// a step of 1 m in that direction moves the discs by 1 m, 0 that it does not move them at all.
     pub fn information(&self, unknowns: &Unknowns) -> Normal {
         let count = (self.hub_from_carrier.len() * self.in_board.len()).max(1) as f64;
-        self.normal_equations(unknowns, &self.gauge(unknowns)).0 / count
+        // A touched point counts as a picture here: it is measured about as well.
+        let weights = Weights::equal(self.in_camera, self.in_board.len() as f64);
+        self.normal_equations(unknowns, &self.gauge(unknowns), &weights)
+            .0
+            / count
     }
 
-    /// Descends from `start`; also the sum of squares where it ends.
-    pub fn solve(&self, start: Unknowns) -> (Unknowns, f64) {
+    /// Descends from `start`; also the weighted sum of squares where it ends.
+    ///
+    /// The weights hang on where the flange is in the camera frame, so they are set up twice:
+    /// at the beginning and at the first result.
+    pub fn solve(&self, start: Unknowns, flange_in_hub: &[Point]) -> (Unknowns, f64) {
+        let weights = |at: &Unknowns| {
+            let flanges: Vec<Point> = flange_in_hub
+                .iter()
+                .map(|p| at.camera_from_hub * p)
+                .collect();
+            Weights::new(self.in_camera, &flanges)
+        };
+        let (first, _) = self.descend(start, &weights(&start));
+        self.descend(first, &weights(&first))
+    }
+
+    fn descend(&self, start: Unknowns, weights: &Weights) -> (Unknowns, f64) {
         let mut best = start;
-        let mut cost = self.cost(&best);
+        let mut cost = self.cost(&best, weights);
         let mut damping = 1e-4;
         for _ in 0..100 {
             let gauge = self.gauge(&best);
-            let (normal, right) = self.normal_equations(&best, &gauge);
+            let (normal, right) = self.normal_equations(&best, &gauge, weights);
             let mut improved = None;
             while damping < 1e9 {
                 let mut damped = normal;
@@ -164,7 +197,7 @@ impl Problem<'_> {
                 if let Some(factor) = damped.cholesky() {
                     let step = factor.solve(&right);
                     let next = moved(&best, &step, &gauge);
-                    let next_cost = self.cost(&next);
+                    let next_cost = self.cost(&next, weights);
                     if next_cost < cost {
                         improved = Some((next, next_cost, step.norm()));
                         break;

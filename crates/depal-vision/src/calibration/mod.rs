@@ -24,6 +24,7 @@
 //!    the grid's numbers, and from three larger discs its origin and direction.
 //! 2. `closed_form`: rotations first (Park and Martin 1994), then positions, linear.
 //! 3. `joint`: Levenberg-Marquardt over both unknown transforms on all disc centres at once.
+//!    `weights`: what disturbs a whole picture (repeatability, plane fit) is not averaged over its discs.
 //!    The spread of the board over the volume then fixes the camera's direction, which is far
 //!    better known than the direction of a small board.
 //! 4. `observability`: motions that leave something open are refused, and what is open is named.
@@ -50,6 +51,7 @@ mod poses;
 mod problem;
 mod session;
 mod solve;
+mod weights;
 
 pub use board::{CircleBoard, Mounting};
 pub use find_board::{BoardView, find_board};

@@ -210,14 +210,22 @@ fn estimate(
         in_board,
         touched,
     };
+    let flange_in_hub: Vec<Point> = flanges
+        .iter()
+        .map(|f| match mounting {
+            Mounting::EyeToHand => Point::from(f.translation.vector),
+            Mounting::EyeInHand => Point::origin(),
+        })
+        .collect();
     let solved = beginnings(motion, &hub_from_carrier, &camera_from_board)
         .into_iter()
         .filter_map(|rotation| complete(rotation, &hub_from_carrier, &camera_from_board, touched))
         .map(|(camera_from_hub, carrier_from_board)| {
-            problem.solve(Unknowns {
+            let start = Unknowns {
                 camera_from_hub,
                 carrier_from_board,
-            })
+            };
+            problem.solve(start, &flange_in_hub)
         })
         .filter(|(_, cost)| cost.is_finite())
         .min_by(|a, b| a.1.total_cmp(&b.1));

@@ -30,7 +30,7 @@ pub fn camera(board: &CircleBoard, mounting: Mounting, captures: &[Capture]) -> 
             ));
         }
     }
-    // Rotation: skew(Pa + Pb) P' = Pa - Pb with P = 2 sin(angle / 2) axis.
+    // Rotation: skew(Pa + Pb) P' = Pb - Pa with P = 2 sin(angle / 2) axis.
     let mut matrix = DMatrix::zeros(3 * pairs.len(), 3);
     let mut right = DVector::zeros(3 * pairs.len());
     for (k, (a, b)) in pairs.iter().enumerate() {
@@ -38,7 +38,7 @@ pub fn camera(board: &CircleBoard, mounting: Mounting, captures: &[Capture]) -> 
         matrix
             .view_mut((3 * k, 0), (3, 3))
             .copy_from(&(pa + pb).cross_matrix());
-        right.rows_mut(3 * k, 3).copy_from(&(pa - pb));
+        right.rows_mut(3 * k, 3).copy_from(&(pb - pa));
     }
     let solved = matrix.svd(true, true).solve(&right, 1e-12).unwrap();
     let half = Vector::new(solved[0], solved[1], solved[2]);
