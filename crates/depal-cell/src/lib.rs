@@ -13,6 +13,7 @@
 //!
 //! Limitations: one arm, one camera; a cell with a robot program has one port, in process.
 
+pub mod calibration;
 pub mod cell;
 mod computing;
 mod digest;

@@ -1,5 +1,6 @@
 //! From a scene to a cell: millimetres, degrees and names become the specifications of the rooms.
 
+mod calibration;
 mod gripper;
 mod program;
 mod solids;
@@ -140,7 +141,7 @@ impl Scene {
         let world_from_camera =
             solids::pose_mm_yaw(self.camera.mounting_error_mm, 0.0) * calibrated;
         let to_base = |shape: &PlacedShape| shape.moved(&base_from_world);
-        Ok(CellSpec {
+        let mut spec = CellSpec {
             scene: self.name.clone(),
             seed: self.seed,
             world_from_base,
@@ -160,6 +161,7 @@ impl Scene {
             camera: camera(&self.camera)?,
             world_from_camera,
             base_from_camera,
+            calibration: calibration::spec(self, &base_from_world)?,
             projects: vision::projects(self, &base_from_camera.inverse()),
             workflow: workflow::workflow(self),
             interface: vision::server(self),
@@ -181,7 +183,9 @@ impl Scene {
             time_limit: SimDuration::from_secs_f64(self.run.max_sim_s),
             may_leave_cartons: self.run.may_leave_cartons,
             arm,
-        })
+        };
+        spec.interface.calibration = calibration::poses(self, &spec)?;
+        Ok(spec)
     }
 
     fn carton_specs(&self) -> Vec<CartonSpec> {
