@@ -17,8 +17,8 @@ pub const BOARD_ID: u32 = 0x7fff_ff00;
 /// Thickness of the plate, metres.
 const PLATE: f64 = 0.01;
 /// Matt white paint, and matt black ink: dark enough for a sharp edge, light enough for the laser.
-const PLATE_MATERIAL: Material = Material { albedo: 0.8 };
-const INK: Material = Material { albedo: 0.06 };
+const PLATE_MATERIAL: Material = Material::LABEL;
+const INK_ALBEDO: f64 = 0.06;
 /// The arm turns by as much as its repeatability is at this distance, metres: about a tool's length.
 const TURN_DISTANCE: f64 = 0.5;
 
@@ -61,7 +61,8 @@ impl CalibrationSpec {
             world_from_decal: *world_from_board,
             id: BOARD_ID,
             discs: self.board.nodes().map(disc).collect(),
-            material: INK,
+            bare: PLATE_MATERIAL.albedo,
+            ink: INK_ALBEDO,
         };
         (plate, print)
     }

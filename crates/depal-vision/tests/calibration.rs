@@ -84,7 +84,8 @@ fn board_bodies(board: &CircleBoard, base_from_board: &Pose) -> (RenderShape, De
         world_from_decal: *base_from_board,
         id: BOARD_ID,
         discs,
-        material: Material { albedo: 0.06 },
+        bare: Material::LABEL.albedo,
+        ink: 0.06,
     };
     (plate, print)
 }

@@ -1,6 +1,6 @@
 //! From a scene to a cell: millimetres, degrees and names become the specifications of the rooms.
 
-mod calibration;
+mod board;
 mod gripper;
 mod program;
 mod solids;
@@ -161,7 +161,7 @@ impl Scene {
             camera: camera(&self.camera)?,
             world_from_camera,
             base_from_camera,
-            calibration: calibration::spec(self, &base_from_world)?,
+            calibration: board::spec(self, &base_from_world)?,
             projects: vision::projects(self, &base_from_camera.inverse()),
             workflow: workflow::workflow(self),
             interface: vision::server(self),
@@ -184,7 +184,9 @@ impl Scene {
             may_leave_cartons: self.run.may_leave_cartons,
             arm,
         };
-        spec.interface.calibration = calibration::poses(self, &spec)?;
+        if let Some(poses) = board::poses(self, &spec)? {
+            spec.interface.calibration = poses;
+        }
         Ok(spec)
     }
 

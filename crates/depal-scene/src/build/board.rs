@@ -72,9 +72,13 @@ fn mismatch(key: &'static str, problem: &dyn std::error::Error) -> BuildError {
 
 /// Where 701 sends the robot: spread over the volume, within reach, the board in plain sight of camera
 /// and projector, tool and board above the stack there and on the joint moves between.
-pub(super) fn poses(scene: &Scene, cell: &CellSpec) -> Result<Vec<CalibrationPose>, BuildError> {
+/// None without a calibration.
+pub(super) fn poses(
+    scene: &Scene,
+    cell: &CellSpec,
+) -> Result<Option<Vec<CalibrationPose>>, BuildError> {
     let (Some(calibration), Some(spec)) = (&scene.calibration, &cell.calibration) else {
-        return Ok(Vec::new());
+        return Ok(None);
     };
     let view = View {
         cell,
@@ -100,7 +104,7 @@ pub(super) fn poses(scene: &Scene, cell: &CellSpec) -> Result<Vec<CalibrationPos
             .is_some_and(|joints| view.is_free(&joints) && view.is_board_seen(&joints))
     })
     .map_err(|problem| mismatch("calibration", &problem))?;
-    view.in_order(&flanges)
+    view.in_order(&flanges).map(Some)
 }
 
 /// The volume in the world: its middle and half of its sides.
