@@ -276,6 +276,105 @@ fn fixed_camera_from_pictures() {
 }
 
 #[test]
+fn camera_on_the_flange_from_pictures() {
+    let spec = camera(SensorSpec::laser_structured_light());
+    let flange_from_camera = Pose::from_parts(
+        Vector::new(0.15, 0.02, 0.08).into(),
+        Rotation::from_euler_angles(0.02, -0.01, 1.6),
+    );
+    let base_from_board = Pose::from_parts(
+        Vector::new(1.7, 0.05, 0.4).into(),
+        Rotation::from_euler_angles(0.02, 0.01, 0.3),
+    );
+    let mut plan = plan(15);
+    plan.mounting = Mounting::EyeInHand;
+    plan.camera = rough(&flange_from_camera);
+    plan.board_pose = rough(&base_from_board);
+    plan.region = Pose::translation(1.7, 0.05, 1.8);
+    plan.half_extents = Vector::new(0.7, 0.7, 0.3);
+    let poses = plan_poses(&plan, |_| true).unwrap();
+    let mut random = RandomStreams::new(1).stream("arm");
+    let mut session = Session::new(board(), Mounting::EyeInHand, poses).unwrap();
+    let (plate, print) = board_bodies(&board(), &base_from_board);
+    let mut shapes = surroundings(&Pose::translation(0.5, 2.0, 1.0));
+    shapes.push(plate);
+    let decals = [print];
+    while let Some(pose) = session.next_pose().copied() {
+        let base_from_camera = repeated(&pose, &mut random) * flange_from_camera;
+        let seed = random.next_u64();
+        let frame = capture_with_decals(&spec, &base_from_camera, &shapes, &decals, seed).frame;
+        session.capture(&frame, &pose).unwrap();
+    }
+    let found = session.finish().unwrap();
+    // A volume of a pallet before the camera.
+    let error = (0..8)
+        .map(|k| {
+            let side = |bit: usize| if k & bit == 0 { -0.5 } else { 0.5 };
+            let corner = Point::new(1.2 * side(1), 0.8 * side(2), 1.7 + 1.0 * side(4));
+            (found.camera * corner - flange_from_camera * corner).norm() / 8.0
+        })
+        .sum::<f64>();
+    println!(
+        "on the flange: corners {:.3} mm, rms {:.3} mm",
+        error * 1e3,
+        found.rms * 1e3
+    );
+    assert!(error < 0.5e-3, "{} mm", error * 1e3);
+}
+
+#[test]
+fn any_picture_gets_an_answer() {
+    let mut random = RandomStreams::new(1).stream("pictures");
+    for n in 0..300 {
+        let (width, height) = match n {
+            0 => (1, 1),
+            1 => (16_000, 2),
+            2 => (2, 3000),
+            _ => (
+                random.uniform(1.0, 200.0) as usize,
+                random.uniform(1.0, 150.0) as usize,
+            ),
+        };
+        let intrinsics = Intrinsics {
+            width,
+            height,
+            fx: random.uniform(1.0, 3000.0),
+            fy: random.uniform(1.0, 3000.0),
+            cx: random.uniform(-100.0, 3000.0),
+            cy: random.uniform(-100.0, 3000.0),
+        };
+        let mut frame = DepthFrame::blank(intrinsics);
+        let kind = n % 4;
+        for k in 0..width * height {
+            let (u, v) = (k % width, k / width);
+            frame.depth[k] = match (kind, random.next_u64() % 16) {
+                (0, 0) => f32::NAN,
+                (0, 1) => f32::INFINITY,
+                (0, 2) => -1.0,
+                (1, _) => 1.0,
+                (_, 3) => 0.0,
+                _ => random.uniform(0.5, 2.0) as f32,
+            };
+            // Noise, one value, or spots.
+            frame.intensity[k] = match kind {
+                0 => random.next_u64() as u8,
+                1 => 200,
+                _ if u % 20 < 10 && v % 20 < 10 => 10,
+                _ => 200,
+            };
+        }
+        assert!(find_board(&frame, &board()).is_err());
+    }
+    for bad in [0.0, f64::NAN] {
+        let mut frame = DepthFrame::blank(camera(SensorSpec::ideal()).intrinsics);
+        frame.intrinsics.fx = bad;
+        frame.depth.fill(1.0);
+        frame.intensity.fill(100);
+        assert!(find_board(&frame, &board()).is_err());
+    }
+}
+
+#[test]
 fn refused_pictures_say_why() {
     let spec = camera(SensorSpec::laser_structured_light());
     let pose = plan_poses(&plan(1), nothing_in_the_way).unwrap()[0];
@@ -322,6 +421,22 @@ fn refused_pictures_say_why() {
     assert!(
         matches!(discs, CaptureProblem::WrongBoard { .. }),
         "{discs}"
+    );
+
+    // The large discs in other places.
+    let (plate, mut print) = board_bodies(&board(), &(pose * flange_from_board()));
+    let ordinary = board().disc_diameter / 2.0;
+    for (n, (c, r)) in board().nodes().enumerate() {
+        let mark = [(0, 0), (2, 0), (0, 2)].contains(&(c, r));
+        print.discs[n].1 = if mark { 1.5 * ordinary } else { ordinary };
+    }
+    let mut shapes = surroundings(&pose);
+    shapes.push(plate);
+    let moved = capture_with_decals(&spec, &base_from_camera(), &shapes, &[print], 1).frame;
+    let problem = find_board(&moved, &board()).unwrap_err();
+    assert!(
+        matches!(problem, CaptureProblem::WrongBoard { .. }),
+        "{problem}"
     );
 
     // Something lies on a corner of the board.

@@ -1,10 +1,11 @@
 //! Laws of the hand-eye estimation on synthetic disc centres: what it recovers, how much better it
 //! is than a plain closed form, and what it refuses.
 
-use depal_frames::{Point, Pose, Rotation, Vector};
+use depal_frames::{Intrinsics, Point, Pose, Rotation, Vector};
 use depal_time::{RandomStream, RandomStreams};
 use depal_vision::calibration::{
-    CalibrationProblem, Capture, CircleBoard, Mounting, TouchedPoint, calibrate,
+    CalibrationProblem, Capture, CircleBoard, Mounting, PosePlan, PoseProblem, TouchedPoint,
+    calibrate, plan_poses, sees_board,
 };
 
 mod tsai_lenz;
@@ -462,4 +463,106 @@ fn a_wrong_pose_is_dropped_and_a_wrong_board_refused() {
             found: 62
         })
     );
+}
+
+/// Planned poses against as many drawn ones: what they are planned for.
+#[test]
+fn planned_poses_are_seen_spread_and_better_than_drawn_ones() {
+    for mounting in MOUNTINGS {
+        let mut random = RandomStreams::new(9).stream("planned");
+        let (mut planned, mut drawn) = (Vec::new(), Vec::new());
+        for seed in 0..20 {
+            let cell = Cell::draw(mounting, &mut random);
+            let plan = PosePlan {
+                board: board(),
+                mounting,
+                intrinsics: Intrinsics {
+                    width: 1280,
+                    height: 1024,
+                    fx: 1000.0,
+                    fy: 1000.0,
+                    cx: 640.0,
+                    cy: 512.0,
+                },
+                camera: cell.camera,
+                board_pose: cell.board,
+                region: match mounting {
+                    Mounting::EyeToHand => Pose::translation(1.7, 0.0, 1.1),
+                    Mounting::EyeInHand => {
+                        let above = cell.board.translation.vector + Vector::new(0.0, 0.0, 1.6);
+                        Pose::from_parts(above.into(), Rotation::identity())
+                    }
+                },
+                half_extents: Vector::new(0.35, 0.3, 0.3),
+                max_tilt: 30f64.to_radians(),
+                count: 15,
+            };
+            // An arm that does not reach beyond 2.6 m.
+            let reachable = |f: &Pose| f.translation.vector.norm() < 2.6;
+            let poses = plan_poses(&plan, reachable).unwrap();
+            assert_eq!(poses.len(), 15);
+            assert_eq!(poses, plan_poses(&plan, reachable).unwrap(), "seed {seed}");
+            for pose in &poses {
+                assert!(reachable(pose));
+                let camera_from_board = cell.camera_from_board(pose);
+                assert!(sees_board(&plan.intrinsics, &camera_from_board, &board()));
+            }
+            let captures: Vec<Capture> = poses
+                .iter()
+                .map(|pose| cell.capture(*pose, USUAL, &mut random))
+                .collect();
+            planned.push(cell.corner_error(&solve(&cell, &captures).unwrap()));
+            let captures = cell.captures(15, USUAL, &mut random);
+            drawn.push(cell.corner_error(&solve(&cell, &captures).unwrap()));
+        }
+        let (planned, drawn) = (median(&mut planned), median(&mut drawn));
+        println!(
+            "{mounting:?}: planned {:.3} mm, drawn {:.3} mm",
+            planned * 1e3,
+            drawn * 1e3
+        );
+        assert!(planned < drawn && planned < 0.3e-3);
+    }
+}
+
+#[test]
+fn poses_that_cannot_be_had_say_what_is_in_the_way() {
+    let mut random = RandomStreams::new(10).stream("none");
+    let cell = Cell::draw(Mounting::EyeToHand, &mut random);
+    let plan = PosePlan {
+        board: board(),
+        mounting: cell.mounting,
+        intrinsics: Intrinsics {
+            width: 1280,
+            height: 1024,
+            fx: 1600.0,
+            fy: 1600.0,
+            cx: 640.0,
+            cy: 512.0,
+        },
+        camera: cell.camera,
+        board_pose: cell.board,
+        region: Pose::translation(1.7, 0.0, 1.1),
+        half_extents: Vector::new(0.35, 0.3, 0.3),
+        max_tilt: 0.5,
+        count: 5,
+    };
+    let Err(PoseProblem::TooFew {
+        expected: 5,
+        found: 0,
+        unreachable,
+        ..
+    }) = plan_poses(&plan, |_| false)
+    else {
+        panic!("poses that nobody can reach");
+    };
+    assert!(unreachable > 100);
+    let beside = PosePlan {
+        region: Pose::translation(8.0, 0.0, 1.1),
+        ..plan
+    };
+    let Err(PoseProblem::TooFew { tried, unseen, .. }) = plan_poses(&beside, |_| true) else {
+        panic!("poses that nobody sees");
+    };
+    assert_eq!(tried, unseen);
 }
