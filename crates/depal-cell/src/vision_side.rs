@@ -10,6 +10,7 @@ use depal_interface::{
 use depal_time::{SimTime, TICK};
 use depal_workflow::{Ask, Engine, Piece};
 
+use crate::calibration_desk::CalibrationDesk;
 use crate::computing::{Computing, Elsewhere};
 use crate::error::CellError;
 use crate::event::{EventKind, FailureReason};
@@ -78,6 +79,8 @@ pub(crate) struct VisionSide {
     stopwatch: fn() -> f64,
     /// Where long computing is done; absent: here and now.
     pub(crate) elsewhere: Option<Elsewhere>,
+    /// The calibration with command 701.
+    pub(crate) calibration: CalibrationDesk,
 }
 
 impl VisionSide {
@@ -106,6 +109,7 @@ impl VisionSide {
             last_status: None,
             stopwatch,
             elsewhere: None,
+            calibration: CalibrationDesk::default(),
         })
     }
 
@@ -237,8 +241,12 @@ impl VisionSide {
                 | Job::SetOuterPose { .. }
                 | Job::SetInputPose { .. }
                 | Job::SetVariable { .. }
-                | Job::SwitchSolution { .. }
-                | Job::CaptureCalibration { .. } => {}
+                | Job::SwitchSolution { .. } => {}
+                Job::CaptureCalibration {
+                    number,
+                    base_from_flange,
+                    ..
+                } => self.calibration.ask(now, number, base_from_flange),
                 Job::SetBranch { job_id, exit, .. } => {
                     let owner = Owner::Viz(job_id);
                     if let Some(run) = self.run_of(owner) {

@@ -215,7 +215,8 @@ impl View<'_> {
             .spec
             .bodies(&(cell.world_from_base * self.spec.base_from_board(&base_from_flange)));
         let seen = |shapes: &[RenderShape]| {
-            let shot = capture(&self.camera, &cell.world_from_camera, shapes, 0);
+            let world_from_camera = cell.world_from_base * cell.base_from_camera;
+            let shot = capture(&self.camera, &world_from_camera, shapes, 0);
             let pixels = shot.ids.iter().zip(&shot.frame.depth);
             pixels
                 .filter(|(id, z)| **id == BOARD_ID && **z > 0.0)
