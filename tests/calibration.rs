@@ -122,6 +122,21 @@ fn without_the_calibration_picks_fail() {
 }
 
 #[test]
+fn flange_poses_serve_as_well_as_joints() {
+    let program = root().join("tests/programs/calibrate_by_poses.mod");
+    let finished = run_scene(&scene(&[
+        ("robot.program", &program.to_string_lossy()),
+        ("run.may_leave_cartons", "true"),
+    ]));
+    let calibrated = events(&finished, "calibrated");
+    assert_eq!(calibrated.len(), 1, "{}", finished.outcome.end_detail);
+    let error = calibrated[0]["error_mm"].as_f64().unwrap();
+    assert!(error < 0.5, "{error} mm");
+    let messages = events(&finished, "message");
+    assert!(messages.iter().any(|m| m["text"] == "back again"));
+}
+
+#[test]
 fn without_pictures_the_old_pose_stays() {
     let finished = run_scene(&scene(&[("camera.blackout", "true")]));
     assert!(events(&finished, "calibrated").is_empty());
