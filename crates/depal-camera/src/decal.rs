@@ -1,4 +1,6 @@
 //! Prints on a flat face: painted into a finished picture, so that renderer and sensor need not know of them.
+//!
+//! A print never takes depth away, however dark its ink, and does not shine.
 
 use depal_frames::{Point, Pose, Vector};
 

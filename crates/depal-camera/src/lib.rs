@@ -7,7 +7,6 @@
 //! Every shape is drawn exactly: a plane and the silhouette of a sphere or cylinder have closed
 //! forms along an image row, so nothing is tessellated and nothing is clipped.
 //! A second pass from the projector finds what the pattern does not reach.
-//! [`Decal`]s are discs printed on a face: they are painted into the finished picture.
 //! The image is worked on row by row, and every random number is a hash of seed and pixel,
 //! so the result has the same bits for any number of threads.
 //!
@@ -33,7 +32,6 @@
 //!
 //! Limitations: one ray per pixel, so a gap narrower than a pixel is hit or missed as a whole;
 //! no multiple reflections, no specular lobe, no lens distortion, sharp box edges;
-//! a print never takes depth away, however dark its ink;
 //! a camera or projector inside a solid does not see that solid; one light, no ambient occlusion.
 
 mod capture;
