@@ -1,7 +1,7 @@
 //! From a scene to a cell: millimetres, degrees and names become the specifications of the rooms.
 
-mod board;
 mod gripper;
+mod hand_eye;
 mod program;
 mod solids;
 mod vision;
@@ -161,7 +161,7 @@ impl Scene {
             camera: camera(&self.camera)?,
             world_from_camera,
             base_from_camera,
-            calibration: board::spec(self, &base_from_world)?,
+            calibration: hand_eye::spec(self, &base_from_world)?,
             projects: vision::projects(self, &base_from_camera.inverse()),
             workflow: workflow::workflow(self),
             interface: vision::server(self),
@@ -184,7 +184,7 @@ impl Scene {
             may_leave_cartons: self.run.may_leave_cartons,
             arm,
         };
-        if let Some(poses) = board::poses(self, &spec)? {
+        if let Some(poses) = hand_eye::poses(self, &spec)? {
             spec.interface.calibration = poses;
         }
         Ok(spec)
