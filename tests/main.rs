@@ -1,5 +1,6 @@
 //! One test binary: what only the whole house can show.
 
+mod calibration;
 mod counterfactuals;
 mod determinism;
 mod faults;

@@ -35,6 +35,7 @@
 //! a camera or projector inside a solid does not see that solid; one light, no ambient occlusion.
 
 mod capture;
+mod decal;
 mod noise;
 mod raster;
 mod render;
@@ -44,6 +45,7 @@ mod spec;
 mod surface;
 
 pub use capture::{Capture, NOTHING, capture};
+pub use decal::{Decal, capture_with_decals};
 pub use render::{Rendering, render};
 pub use sensor::sense;
 pub use shape::{Material, RenderShape};

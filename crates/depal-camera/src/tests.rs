@@ -1,5 +1,6 @@
 //! Laws of the camera: exact geometry against ray casts, the sensor model against its own formulas.
 
+mod decal;
 mod geometry;
 mod sensor;
 

@@ -236,6 +236,18 @@ impl Cell {
             &mut self.pending,
             observers,
         );
+        if self.vision.calibration.is_due(self.now) {
+            let found = self.vision.calibration.advance(
+                self.now,
+                &self.spec,
+                &render_shapes(&self.world),
+                Some(self.spec.arm.base_from_flange(&joints)),
+                &mut self.pending,
+            );
+            if let Some(base_from_camera) = found {
+                self.spec.recalibrate(base_from_camera);
+            }
+        }
         // 8. Log.
         if self.tick.is_multiple_of(DIGEST_TICKS) {
             self.digest.add(self.world.state_hash());

@@ -212,6 +212,23 @@ pub enum EventKind {
         /// How many should have been found.
         pickable: usize,
     },
+    /// Command 701 came to a new camera pose, which all later pictures go through.
+    Calibrated {
+        /// Where the camera is in the robot base.
+        base_from_camera: LoggedPose,
+        /// Root mean square distance of the disc centres from their places, mm.
+        residual_rms_mm: f64,
+        /// The largest, mm.
+        residual_max_mm: f64,
+        /// Pictures that were used.
+        used: usize,
+        /// Pictures that were taken.
+        taken: usize,
+        /// Distance of the camera from where it truly is, mm.
+        error_mm: f64,
+        /// Angle between its frame and the true one, degrees.
+        error_deg: f64,
+    },
     /// A path was planned.
     Plan {
         /// Index of the picked detection in the frame's list.

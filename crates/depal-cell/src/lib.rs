@@ -13,6 +13,8 @@
 //!
 //! Limitations: one arm, one camera; a cell with a robot program has one port, in process.
 
+pub mod calibration;
+mod calibration_desk;
 pub mod cell;
 mod computing;
 mod digest;

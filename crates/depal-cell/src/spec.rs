@@ -15,6 +15,8 @@ use depal_vision::VisionSettings;
 use depal_workflow::Project;
 use depal_world::{CartonSpec, WorldSpec};
 
+use crate::calibration::CalibrationSpec;
+
 /// The whole cell before its first tick.
 #[derive(Debug, Clone)]
 pub struct CellSpec {
@@ -44,6 +46,8 @@ pub struct CellSpec {
     pub world_from_camera: Pose,
     /// Where calibration says it is; vision results reach the robot through this pose alone.
     pub base_from_camera: Pose,
+    /// The board for command 701; absent: no calibration is set up.
+    pub calibration: Option<CalibrationSpec>,
     /// The vision projects by number.
     pub projects: BTreeMap<i32, VisionProject>,
     /// The planning project.

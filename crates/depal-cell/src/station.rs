@@ -50,6 +50,24 @@ struct Lane {
     score: Score,
 }
 
+impl Lane {
+    /// Takes the pictures of a calibration that are due. The client's robot is where it says it is; of it
+    /// only the board is drawn.
+    fn calibrate(&mut self, now: SimTime, world: &World, events: &mut Vec<EventKind>) {
+        let desk = &mut self.vision.calibration;
+        if !desk.is_due(now) {
+            return;
+        }
+        let shapes = render_shapes(world);
+        if let Some(base_from_camera) = desk.advance(now, &self.spec, &shapes, None, events) {
+            Arc::make_mut(&mut self.spec).recalibrate(base_from_camera);
+            if let Some(elsewhere) = &mut self.vision.elsewhere {
+                elsewhere.spec = Arc::clone(&self.spec);
+            }
+        }
+    }
+}
+
 /// A cell at rest with its vision server.
 pub struct Station {
     lanes: Vec<Lane>,
@@ -180,7 +198,13 @@ impl Station {
     pub fn next_due(&self) -> Option<u64> {
         self.lanes
             .iter()
-            .flat_map(|lane| [lane.vision.server.poll_timeout(), lane.vision.next_due()])
+            .flat_map(|lane| {
+                [
+                    lane.vision.server.poll_timeout(),
+                    lane.vision.next_due(),
+                    lane.vision.calibration.next_due(),
+                ]
+            })
             .flatten()
             .map(|due| tick_from(due).max(self.tick + 1))
             .min()
@@ -256,6 +280,7 @@ impl Station {
             let seen = seen.as_ref();
             lane.vision
                 .advance(now, &spec, seen, score, &mut events, &mut []);
+            lane.calibrate(now, &self.world, &mut events);
             self.keep(PortId(place as u16), events);
             self.follow_up(PortId(place as u16));
         }

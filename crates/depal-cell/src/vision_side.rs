@@ -8,6 +8,7 @@ use depal_interface::{Direction, FrameFaults, JobId, PortId, Server, Status};
 use depal_time::{SimTime, TICK};
 use depal_workflow::Engine;
 
+use crate::calibration_desk::CalibrationDesk;
 use crate::computing::{Computing, Elsewhere};
 use crate::error::CellError;
 use crate::event::{EventKind, FailureReason};
@@ -87,6 +88,8 @@ pub(crate) struct VisionSide {
     stopwatch: fn() -> f64,
     /// Where long computing is done; absent: here and now.
     pub(crate) elsewhere: Option<Elsewhere>,
+    /// The calibration with command 701.
+    pub(crate) calibration: CalibrationDesk,
 }
 
 impl VisionSide {
@@ -116,6 +119,7 @@ impl VisionSide {
             last_status: None,
             stopwatch,
             elsewhere: None,
+            calibration: CalibrationDesk::default(),
         })
     }
 

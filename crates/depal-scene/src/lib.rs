@@ -23,6 +23,7 @@
 //! Limitations: one pallet or platform, one carton size, one camera, one arm, one gripper.
 
 mod build;
+mod calibration;
 mod camera;
 mod choice;
 mod document;
@@ -44,6 +45,7 @@ mod vision;
 mod viz;
 
 pub use build::{BuildError, Built, load_program};
+pub use calibration::{Board, BoardMounting, Calibration};
 pub use camera::{Camera, SensorPreset};
 pub use error::{SceneErrors, SceneProblem};
 pub use files::{Resolver, read_text};

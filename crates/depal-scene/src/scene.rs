@@ -3,6 +3,7 @@
 use depal_time::RandomStreams;
 use serde_json::{Value as Json, json};
 
+use crate::calibration::Calibration;
 use crate::camera::Camera;
 use crate::gripper::Gripper;
 use crate::interface::{Interface, Latency};
@@ -40,6 +41,9 @@ section! {
         conveyor: Conveyor, table(), section;
         /// The depth camera.
         camera: Camera, table(), section;
+        /// Hand-eye calibration with command 701.
+        /// Default: none is set up, and the command is refused.
+        calibration: Option<Calibration>, Maybe(table()), default(None);
         /// The gripper.
         gripper: Gripper, table(), section;
         /// The arm, its cabinet and its program.

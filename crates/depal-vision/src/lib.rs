@@ -4,6 +4,8 @@
 //! whole uncovered top face of such a size, at every height, and nothing else.
 //! It is a pure function: no clock, no randomness, the same frame gives the same bits.
 //!
+//! [`calibration`] finds out where the camera is, from pictures of a board of discs and the arm's poses.
+//!
 //! It must never know the scene, the simulator, carton identities or where anything really is.
 //!
 //! ```
@@ -45,6 +47,7 @@
 //! - The known sizes must differ by more than the size tolerance plus two pixels.
 
 mod arrange;
+pub mod calibration;
 mod components;
 mod detect;
 mod detection;

@@ -95,9 +95,11 @@ impl VisionSide {
                 Job::SwitchSolution { solution, .. } => {
                     note(events, format!("solution {solution}"));
                 }
-                Job::CaptureCalibration { number, .. } => {
-                    note(events, format!("calibration pose {number}"));
-                }
+                Job::CaptureCalibration {
+                    number,
+                    base_from_flange,
+                    ..
+                } => self.calibration.ask(now, number, base_from_flange),
                 Job::SetBranch { job_id, exit, .. } => {
                     let owner = Owner::Viz(job_id);
                     if let Some(run) = self.run_of(owner) {

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod gripper;
+mod hand_eye;
 mod program;
 mod server;
 mod solids;
@@ -143,7 +144,7 @@ impl Scene {
             solids::pose_mm_yaw(self.camera.mounting_error_mm, 0.0) * calibrated;
         let workflow = workflow::workflow(self);
         let to_base = |shape: &PlacedShape| shape.moved(&base_from_world);
-        Ok(CellSpec {
+        let mut spec = CellSpec {
             scene: self.name.clone(),
             seed: self.seed,
             world_from_base,
@@ -163,6 +164,7 @@ impl Scene {
             camera: camera(&self.camera)?,
             world_from_camera,
             base_from_camera,
+            calibration: hand_eye::spec(self, &base_from_world)?,
             projects: vision::projects(self, &base_from_camera.inverse()),
             interface: server::server(self, &workflow, calibration::poses(self, &arm, &start)),
             workflow,
@@ -184,7 +186,11 @@ impl Scene {
             time_limit: SimDuration::from_secs_f64(self.run.max_sim_s),
             may_leave_cartons: self.run.may_leave_cartons,
             arm,
-        })
+        };
+        if let Some(poses) = hand_eye::poses(self, &spec)? {
+            spec.interface.calibration = poses;
+        }
+        Ok(spec)
     }
 
     fn carton_specs(&self) -> Vec<CartonSpec> {

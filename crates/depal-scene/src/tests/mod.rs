@@ -1,5 +1,6 @@
 //! Tests of scenes: what is refused and how it says so, overrides, the stack, the schema.
 
+mod calibration;
 mod documentation;
 mod interface;
 mod layout;

@@ -1,0 +1,108 @@
+MODULE MainModule
+  !===========================================================================
+  ! Calibrates the camera to the robot, then empties the pallet.
+  ! Part of depal. Licence: MIT OR Apache-2.0. Needs MM_Module (profile 1.8).
+  !===========================================================================
+
+  ! Gripper: lip plane 300 mm in front of the flange, 50 kg.
+  PERS tooldata tGripper:=[TRUE,[[0,0,300],[1,0,0,0]],[50,[0,0,150],[1,0,0,0],0,0,0]];
+  ! Arm over the conveyor side, out of the camera's view.
+  CONST jointtarget jHome:=[[90,-20,20,0,90,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST num nMaxWay:=30;
+
+  VAR jointtarget jWay{30};
+  VAR num nMoveType{30};
+  VAR num nSpeed{30};
+  VAR num nWay:=0;
+  VAR num nVis:=0;
+  VAR num nStatus:=0;
+  VAR num nMoved:=0;
+
+  PROC main()
+    VAR bool bMore:=TRUE;
+
+    SetGO goVacuum,0;
+    MM_Init_Socket "127.0.0.1",50000,60;
+    MM_Open_Socket;
+    MM_Get_Status nStatus;
+    IF nStatus<>1101 Refused "vision not ready, status ";
+
+    ! Joint moves to joint positions, half a second of rest before each picture.
+    MoveAbsJ jHome\NoEOffs,v1000,fine,tool0\WObj:=wobj0;
+    MM_Calib 2,2,0.5;
+    TPWrite "Calibrated";
+
+    WHILE bMore DO
+      MM_Start_Viz 2,jHome;
+      MM_get_plandata 0,3,nWay,nVis,nStatus;
+      TEST nStatus
+      CASE 2100:
+        IF nVis<2 OR nVis>=nWay OR nWay>nMaxWay Refused "unusable path, Vision Move at ";
+        MM_Get_DoList 0;
+        Transfer;
+      CASE 1002,1003,2037,2038:
+        bMore:=FALSE;
+      DEFAULT:
+        Refused "no path, status ";
+      ENDTEST
+    ENDWHILE
+    TPWrite "Pallet empty, cartons moved: "\Num:=nMoved;
+    MM_Close_Socket;
+  ENDPROC
+
+  ! One carton from the pallet to the conveyor, and home.
+  PROC Transfer()
+    VAR bool bTimeout;
+    VAR num nTool;
+    VAR robtarget pPlace;
+
+    FOR i FROM 1 TO nWay DO
+      MM_Get_PlanJps i,3,jWay{i},nMoveType{i},nTool,nSpeed{i};
+    ENDFOR
+    FOR i FROM 1 TO nVis DO
+      Go i;
+    ENDFOR
+    MM_Set_DoList 1,goVacuum;
+    WaitDI diVacuumOk,1\MaxTime:=1.5\TimeFlag:=bTimeout;
+    IF bTimeout Refused "no vacuum, status ";
+    FOR i FROM nVis+1 TO nWay DO
+      Go i;
+    ENDFOR
+    SetGO goVacuum,0;
+    WaitDI diVacuumOk,0;
+    nMoved:=nMoved+1;
+    pPlace:=CalcRobT(jWay{nWay},tGripper\WObj:=wobj0);
+    MoveL Offs(pPlace,0,0,150),v500,z10,tGripper\WObj:=wobj0;
+    MoveAbsJ jHome\NoEOffs,v2000,fine,tGripper\WObj:=wobj0;
+  ENDPROC
+
+  PROC Go(num nIndex)
+    IF nIndex=nVis OR nIndex=nWay THEN
+      MoveTo nIndex,fine;
+    ELSEIF Abs(nIndex-nVis)=1 OR nIndex=nWay-1 THEN
+      MoveTo nIndex,z10;
+    ELSE
+      MoveTo nIndex,z50;
+    ENDIF
+  ENDPROC
+
+  PROC MoveTo(num nIndex,zonedata zEnd)
+    VAR speeddata vPath:=[5000,500,5000,1000];
+
+    vPath.v_tcp:=vPath.v_tcp*nSpeed{nIndex}/100;
+    vPath.v_ori:=vPath.v_ori*nSpeed{nIndex}/100;
+    IF nMoveType{nIndex}=2 THEN
+      MoveL CalcRobT(jWay{nIndex},tGripper\WObj:=wobj0),vPath,zEnd,tGripper\WObj:=wobj0;
+    ELSE
+      MoveAbsJ jWay{nIndex}\NoEOffs,vPath,zEnd,tGripper\WObj:=wobj0;
+    ENDIF
+  ENDPROC
+
+  ! Says why, and stops. The vacuum stays as it is.
+  PROC Refused(string sReason)
+    TPWrite "Stopped: "+sReason\Num:=nStatus;
+    MM_Close_Socket;
+    Stop;
+    EXIT;
+  ENDPROC
+ENDMODULE
