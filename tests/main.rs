@@ -4,6 +4,7 @@ mod calibration;
 mod counterfactuals;
 mod determinism;
 mod faults;
+mod interface;
 mod modules;
 mod runner;
 mod scenes;

@@ -80,7 +80,8 @@ pub(crate) struct VisionSide {
     work: Vec<(SimTime, Work)>,
     frames: u32,
     frame_faults: FrameFaults,
-    picks_planned: i32,
+    /// Cartons planned so far, by vision project; 0 is the planning project.
+    picked: BTreeMap<i32, i32>,
     target: Option<u32>,
     last_failure: Option<FailureReason>,
     /// Status codes of the replies to the last exchange: what a program that stops has heard.
@@ -113,7 +114,7 @@ impl VisionSide {
             work: Vec::new(),
             frames: 0,
             frame_faults: FrameFaults::new(&spec.interface.faults),
-            picks_planned: 0,
+            picked: BTreeMap::new(),
             target: None,
             last_failure: None,
             last_status: None,

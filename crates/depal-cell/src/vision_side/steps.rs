@@ -58,7 +58,8 @@ impl VisionSide {
         score: &mut Score,
         events: &mut Vec<EventKind>,
     ) {
-        let (picks_planned, stopwatch) = (self.picks_planned, self.stopwatch);
+        let stopwatch = self.stopwatch;
+        let picked = self.picked.clone();
         let elsewhere = self.elsewhere.clone();
         loop {
             let Some(run) = self.run_of(owner) else {
@@ -90,6 +91,13 @@ impl VisionSide {
                     let Some(picture) = &run.picture else {
                         return;
                     };
+                    let this_run = run.engine.pieces().iter().map(|piece| match piece {
+                        Piece::Planned { plan, .. } => plan.detections.len() as i32,
+                        Piece::Move(_) => 0,
+                    });
+                    let counter = counter_of(owner, picture);
+                    let picked_before =
+                        picked.get(&counter).copied().unwrap_or(0) + this_run.sum::<i32>();
                     let planned = match end_of(spec, &run.start, run.engine.pieces()) {
                         Ok(start) if let Some(elsewhere) = &elsewhere => {
                             let (picture, taken) = (picture.clone(), run.taken.clone());
@@ -98,7 +106,7 @@ impl VisionSide {
                                     picture: &picture,
                                     taken: &taken,
                                     start,
-                                    picked_before: picks_planned,
+                                    picked_before,
                                 };
                                 let planned =
                                     plan(spec, &situation, &pick, place, stopwatch, score, events);
@@ -113,7 +121,7 @@ impl VisionSide {
                                 picture,
                                 taken: &run.taken,
                                 start,
-                                picked_before: picks_planned,
+                                picked_before,
                             };
                             plan(spec, &situation, &pick, place, stopwatch, score, events)
                         }
@@ -174,9 +182,11 @@ impl VisionSide {
             }
         };
         let picks = points.iter().filter(|p| p.vision_move.is_some()).count();
-        self.end(owner);
-        if picks > 0 {
-            self.picks_planned += picks as i32;
+        let run = self.end(owner);
+        if let Some(picture) = run.and_then(|run| run.picture)
+            && picks > 0
+        {
+            *self.picked.entry(counter_of(owner, &picture)).or_insert(0) += picks as i32;
             self.last_failure = None;
             self.target = carton;
         }
@@ -248,5 +258,13 @@ impl VisionSide {
             };
             self.server.finish_vision_custom(now, job_id, outcome);
         }
+    }
+}
+
+/// Whose picks are counted together: a vision project's, or the planning project's, which has no number.
+fn counter_of(owner: Owner, picture: &Picture) -> i32 {
+    match owner {
+        Owner::Viz(_) => 0,
+        Owner::Vision(_) => picture.project,
     }
 }
