@@ -24,7 +24,8 @@
 //!
 //! All commands of the interface. What a step kind does with an index, a parameter, an external pose, an input
 //! pose or a variable is the cell's business: it gets a [`Job`] for each.
-//! Calibration is a dialogue with poses of the settings; its geometry is not here. Not here: PLC sessions.
+//! Calibration is a dialogue with poses of the settings; its geometry is not here.
+//! Controllers that share a data block instead of sending commands are served through a [`Handshake`].
 
 mod calibration;
 mod dispatch;
@@ -32,6 +33,7 @@ mod job;
 mod log;
 mod notify;
 mod path_fetch;
+mod plc;
 mod project_values;
 mod property_config;
 mod server;
@@ -48,6 +50,7 @@ pub use job::{
     VisionMoveData, VisionOutcome, VisionPoint, VisionResult, VizOutcome, VizPath,
 };
 pub use log::{Direction, LogEntry};
+pub use plc::{Handshake, HandshakeSettings, Transfer, plc_port};
 pub use property_config::{
     PropertyConfig, PropertyConfigError, PropertyValue, ReadLine, WriteLine,
 };
