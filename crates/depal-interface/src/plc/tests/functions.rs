@@ -178,7 +178,8 @@ fn plan_data_in_one_call() {
     );
     assert_eq!(b.call(210), 2022, "everything has been fetched");
     // Without plan data the labels are there all the same.
-    b.call(201);
+    b.set(Field::PoseType, 0);
+    assert_eq!(b.call(201), 2103);
     b.set(Field::PoseType, 1);
     assert_eq!(b.call(210), 2100);
     assert_eq!(b.block.real(Field::TargetPose, 0), 1.0);

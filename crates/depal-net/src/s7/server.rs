@@ -1,0 +1,258 @@
+//! Offers the data block itself: one block and one session, any number of clients.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
+
+use depal_interface::{Handshake, HandshakeSettings, Transfer};
+use depal_time::SimTime;
+use depal_wire::s7::{
+    CotpConnect, CotpPacket, DataBlock, PREFERRED_PDU, S7Error, S7Message, TelegramReader,
+};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{Notify, watch};
+use tokio::task::JoinSet;
+use tokio::time::{Instant, sleep, sleep_until, timeout, timeout_at};
+
+use super::answer::{NO_FUNCTION, answer};
+use super::{SessionLink, Teller, WallClock};
+use crate::Limits;
+
+/// A telegram that has begun has to end within this.
+const WHOLE_TELEGRAM: Duration = Duration::from_secs(8);
+/// After a failed accept.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
+
+/// The block and who watches it.
+struct Shared {
+    state: Mutex<State>,
+    /// The handshake has something to say or to ask.
+    changed: Notify,
+    clock: WallClock,
+}
+
+struct State {
+    block: DataBlock,
+    handshake: Handshake,
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state
+            .lock()
+            .expect("nothing panics while it holds this")
+    }
+
+    /// One request of a client; what follows from it happens before anybody else sees the block.
+    fn answer(&self, pdu: &mut u16, request: S7Message) -> S7Message {
+        let mut state = self.state();
+        let (body, is_written) = answer(&mut state.block, pdu, request.body);
+        if is_written {
+            let now = self.clock.now();
+            state.handshake.handle_change(now);
+            state.transfer(now);
+            self.changed.notify_one();
+        }
+        S7Message {
+            reference: request.reference,
+            body,
+        }
+    }
+}
+
+impl State {
+    /// Carries out what the handshake wants from the block.
+    fn transfer(&mut self, now: SimTime) {
+        while let Some(transfer) = self.handshake.poll_transfer(now) {
+            match transfer {
+                Transfer::Read { first, len } => {
+                    let bytes = self.block.bytes(first, len).unwrap_or_default();
+                    self.handshake.handle_read(now, bytes);
+                }
+                Transfer::Write { first, bytes } => {
+                    self.block.write(first, &bytes);
+                    self.handshake.handle_written(now);
+                }
+            }
+        }
+    }
+}
+
+/// Serves the block until told to stop.
+pub(crate) async fn serve_block(
+    listener: TcpListener,
+    settings: HandshakeSettings,
+    mut session: SessionLink,
+    limits: Limits,
+    teller: Teller,
+    mut stop: watch::Receiver<bool>,
+) {
+    let mut handshake = Handshake::new(settings);
+    handshake.handle_connect();
+    let shared = Arc::new(Shared {
+        state: Mutex::new(State {
+            block: DataBlock::new(),
+            handshake,
+        }),
+        changed: Notify::new(),
+        clock: WallClock::start(),
+    });
+    let count = Arc::new(AtomicUsize::new(0));
+    let mut clients = JoinSet::new();
+    loop {
+        let due = tend(&shared, &session, &teller);
+        tokio::select! {
+            accepted = listener.accept() => match accepted {
+                Ok((stream, peer)) => {
+                    if count.load(Ordering::Relaxed) >= limits.clients_per_port {
+                        teller.tell(format!(
+                            "{peer} refused: {} clients are connected already",
+                            limits.clients_per_port
+                        ));
+                        continue;
+                    }
+                    session.open(peer);
+                    count.fetch_add(1, Ordering::Relaxed);
+                    let client = BlockClient::new(stream, Arc::clone(&shared), &limits);
+                    let (teller, count) = (teller.clone(), Arc::clone(&count));
+                    clients.spawn(async move {
+                        teller.tell(format!("{peer} connected"));
+                        let reason = client.run().await;
+                        teller.tell(format!("{peer} gone: {reason}"));
+                        count.fetch_sub(1, Ordering::Relaxed);
+                    });
+                }
+                Err(_) => sleep(ACCEPT_PAUSE).await,
+            },
+            () = shared.changed.notified() => {}
+            replies = session.recv() => {
+                let mut state = shared.state();
+                for reply in replies {
+                    state.handshake.handle_reply(&reply);
+                }
+            }
+            () = sleep_until(shared.clock.instant(due)) => {}
+            Some(_) = clients.join_next(), if !clients.is_empty() => {}
+            _ = stop.changed() => return,
+        }
+    }
+}
+
+/// Does what is due now; when the next thing is.
+fn tend(shared: &Shared, session: &SessionLink, teller: &Teller) -> SimTime {
+    let now = shared.clock.now();
+    let mut state = shared.state();
+    state.transfer(now);
+    while let Some(request) = state.handshake.poll_request() {
+        session.send(request);
+    }
+    while let Some(text) = state.handshake.poll_notice() {
+        teller.tell(text);
+    }
+    let far = now + depal_time::SimDuration::from_millis(1_000);
+    state.handshake.poll_timeout().unwrap_or(far).min(far)
+}
+
+/// One client of the block.
+struct BlockClient {
+    stream: TcpStream,
+    shared: Arc<Shared>,
+    idle: Duration,
+    write: Duration,
+    reader: TelegramReader,
+    pdu: u16,
+    is_open: bool,
+}
+
+impl BlockClient {
+    fn new(stream: TcpStream, shared: Arc<Shared>, limits: &Limits) -> Self {
+        // Without it answers are only slower.
+        let _ = stream.set_nodelay(true);
+        Self {
+            stream,
+            shared,
+            idle: limits.idle,
+            write: limits.write,
+            reader: TelegramReader::new(usize::from(PREFERRED_PDU)),
+            pdu: PREFERRED_PDU,
+            is_open: false,
+        }
+    }
+
+    /// To its end; why it ended.
+    async fn run(mut self) -> String {
+        let mut chunk = [0; 1024];
+        let mut deadline = Instant::now() + self.idle;
+        loop {
+            let was_inside = self.reader.is_inside();
+            let count = match timeout_at(deadline, self.stream.read(&mut chunk)).await {
+                Err(_) if was_inside => return "its telegram did not end".to_owned(),
+                Err(_) => return "silent for too long".to_owned(),
+                Ok(Err(error)) => return format!("connection lost: {error}"),
+                Ok(Ok(0)) => return "closed by the client".to_owned(),
+                Ok(Ok(count)) => count,
+            };
+            self.reader.push(&chunk[..count]);
+            let has_answered = match self.answer_all().await {
+                Ok(has_answered) => has_answered,
+                Err(reason) => return reason,
+            };
+            // The deadline of a telegram is counted from its first bytes.
+            if has_answered || !was_inside {
+                let is_inside = self.reader.is_inside();
+                deadline = Instant::now() + if is_inside { WHOLE_TELEGRAM } else { self.idle };
+            }
+        }
+    }
+
+    /// Answers every packet that is complete; whether there was one.
+    async fn answer_all(&mut self) -> Result<bool, String> {
+        let mut has_answered = false;
+        loop {
+            let packet = match self.reader.poll() {
+                Ok(None) => return Ok(has_answered),
+                Ok(Some(packet)) => packet,
+                Err(error) => return Err(error.to_string()),
+            };
+            has_answered = true;
+            let reply = self.reply(packet)?;
+            match timeout(self.write, self.stream.write_all(&reply.emit())).await {
+                Err(_) => return Err("does not read our answers".to_owned()),
+                Ok(Err(error)) => return Err(format!("connection lost: {error}")),
+                Ok(Ok(())) => {}
+            }
+        }
+    }
+
+    fn reply(&mut self, packet: CotpPacket) -> Result<CotpPacket, String> {
+        match packet {
+            // Any rack and slot.
+            CotpPacket::ConnectRequest(request) => {
+                self.is_open = true;
+                Ok(CotpPacket::ConnectConfirm(CotpConnect {
+                    destination: request.source,
+                    source: 1,
+                    ..request
+                }))
+            }
+            CotpPacket::Data { payload, .. } if self.is_open => {
+                let answer = match S7Message::parse(&payload) {
+                    Ok(request) => self.shared.answer(&mut self.pdu, request),
+                    Err(S7Error::Unsupported { reference, .. }) => S7Message {
+                        reference,
+                        body: NO_FUNCTION,
+                    },
+                    Err(error) => return Err(error.to_string()),
+                };
+                self.reader.set_limit(usize::from(self.pdu));
+                Ok(CotpPacket::data(answer.emit()))
+            }
+            CotpPacket::Data { .. } => Err("sent data before it connected".to_owned()),
+            CotpPacket::DisconnectRequest { .. } => Err("closed by the client".to_owned()),
+            CotpPacket::ConnectConfirm(_) | CotpPacket::Reject { .. } => {
+                Err("sent a packet that clients do not send".to_owned())
+            }
+        }
+    }
+}
