@@ -54,8 +54,8 @@ impl Poller {
                 self.handshake.handle_disconnect();
                 let text = format!("PLC {}: {error}", self.plc.address);
                 if text != self.told {
-                    self.told = text.clone();
                     self.teller.tell(format!("{text}; trying again"));
+                    self.told = text;
                 }
             }
             sleep(self.pauses.next()).await;

@@ -2,5 +2,6 @@
 
 mod fake_plc;
 mod faults;
+mod interop;
 mod offered_block;
 mod vision;

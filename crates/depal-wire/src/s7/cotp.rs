@@ -179,7 +179,7 @@ impl CotpConnect {
             match (*code, value) {
                 (TPDU_SIZE, [size]) => connect.tpdu_size = Some(*size),
                 (CALLING_TSAP, [a, b]) => {
-                    connect.calling = Some(Tsap(u16::from_be_bytes([*a, *b])))
+                    connect.calling = Some(Tsap(u16::from_be_bytes([*a, *b])));
                 }
                 (CALLED_TSAP, [a, b]) => connect.called = Some(Tsap(u16::from_be_bytes([*a, *b]))),
                 // Other parameters, and names of other lengths, change nothing for us.

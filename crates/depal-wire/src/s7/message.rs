@@ -152,7 +152,9 @@ impl S7Message {
             }
             S7Body::ReadRequest(addresses) => {
                 parameters.extend([READ, addresses.len() as u8]);
-                addresses.iter().for_each(|item| item.emit(&mut parameters));
+                for address in addresses {
+                    address.emit(&mut parameters);
+                }
                 (REQUEST, None)
             }
             S7Body::ReadReply(values) => {

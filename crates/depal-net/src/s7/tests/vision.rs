@@ -1,6 +1,8 @@
 //! The vision side of the tests: a session that finds three points at once, behind a client of the block.
 
 use std::collections::BTreeMap;
+use std::net::{SocketAddr, TcpListener};
+use std::pin::Pin;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
@@ -14,9 +16,9 @@ use depal_interface::{
 use depal_time::{SimDuration, SimTime};
 use tokio::sync::watch;
 
-use crate::Notice;
 use crate::brain::{ToBrain, Turn};
-use crate::s7::{PlcAddress, SessionLink, Teller, poll_plc};
+use crate::s7::{PlcAddress, SessionLink, Teller, poll_plc, serve_block};
+use crate::{Limits, Notice};
 
 pub struct Vision {
     /// What was told to people.
@@ -35,12 +37,46 @@ impl Drop for Vision {
 impl Vision {
     /// Works on the block of a controller until it is dropped.
     pub fn at(plc: PlcAddress) -> Self {
+        Self::start(plc.poll, move |settings, session, teller, stopped| {
+            Box::pin(poll_plc(plc, settings, session, teller, stopped))
+        })
+    }
+
+    /// Offers the block itself, until it is dropped.
+    pub fn offering() -> (Self, SocketAddr) {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        listener.set_nonblocking(true).expect("a socket");
+        let address = listener.local_addr().expect("bound");
+        let vision = Self::start(
+            Duration::from_secs(1),
+            move |settings, session, teller, stopped| {
+                Box::pin(async move {
+                    let listener = tokio::net::TcpListener::from_std(listener).expect("a runtime");
+                    let limits = Limits::default();
+                    serve_block(listener, settings, session, limits, teller, stopped).await;
+                })
+            },
+        );
+        (vision, address)
+    }
+
+    fn start(
+        poll: Duration,
+        task: impl FnOnce(
+            HandshakeSettings,
+            SessionLink,
+            Teller,
+            watch::Receiver<bool>,
+        ) -> Pin<Box<dyn Future<Output = ()>>>
+        + Send
+        + 'static,
+    ) -> Self {
         let (to_brain, messages) = channel();
         let runs = Arc::new(AtomicUsize::new(0));
         let counter = Arc::clone(&runs);
         let own = plc_port(&PortSettings::default());
         let settings = HandshakeSettings {
-            poll_period: SimDuration::from_nanos(plc.poll.as_nanos() as u64),
+            poll_period: SimDuration::from_nanos(poll.as_nanos() as u64),
             profile: own.profile.clone(),
             ..HandshakeSettings::default()
         };
@@ -62,7 +98,7 @@ impl Vision {
                 .enable_all()
                 .build()
                 .expect("a runtime")
-                .block_on(poll_plc(plc, settings, session, teller, stopped));
+                .block_on(async { task(settings, session, teller, stopped).await });
         });
         Self { told, runs, stop }
     }
