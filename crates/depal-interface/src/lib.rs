@@ -50,7 +50,7 @@ pub use job::{
     VisionMoveData, VisionOutcome, VisionPoint, VisionResult, VizOutcome, VizPath,
 };
 pub use log::{Direction, LogEntry};
-pub use plc::{Handshake, HandshakeSettings, Transfer, plc_port};
+pub use plc::{Handshake, HandshakeSettings, PlcClient, PlcClientError, Transfer, plc_port};
 pub use property_config::{
     PropertyConfig, PropertyConfigError, PropertyValue, ReadLine, WriteLine,
 };

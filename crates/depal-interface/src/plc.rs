@@ -19,12 +19,14 @@
 //! 206 and 210 take vision's path if a project is named. 110 and 210 put one point a row, all in one call,
 //! up to the port's cap. Labels beyond 16 bits are answered with 1017; other numbers beyond them are cut.
 
+mod client;
 mod command;
 mod handshake;
 mod result;
 
 use depal_wire::{Encoding, HexPlanCells, HexReplyLength, PointCell8, StateReply};
 
+pub use client::{PlcClient, PlcClientError};
 pub use handshake::{Handshake, HandshakeSettings, Transfer};
 
 use crate::settings::PortSettings;

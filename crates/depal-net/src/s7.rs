@@ -5,7 +5,6 @@
 //! The session outlives the controller's connection: results wait for it.
 
 mod address;
-mod answer;
 mod client;
 mod error;
 mod poller;

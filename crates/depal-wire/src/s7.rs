@@ -16,6 +16,7 @@ mod error;
 mod items;
 mod message;
 mod reader;
+mod server;
 
 pub use block::{
     BLOCK_BYTES, COMMAND_BYTES, DataBlock, Field, FieldKind, FieldSpec, POINT_ROWS, Side,
@@ -28,6 +29,7 @@ pub use message::{
     MIN_PDU, PREFERRED_PDU, S7Body, S7Message, Setup, read_capacity, write_capacity,
 };
 pub use reader::TelegramReader;
+pub use server::{BlockServer, Served, answer};
 
 #[cfg(test)]
 mod tests;

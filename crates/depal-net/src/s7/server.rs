@@ -6,16 +6,13 @@ use std::time::Duration;
 
 use depal_interface::{Handshake, HandshakeSettings, Transfer};
 use depal_time::SimTime;
-use depal_wire::s7::{
-    CotpConnect, CotpPacket, DataBlock, PREFERRED_PDU, S7Error, S7Message, TelegramReader,
-};
+use depal_wire::s7::{BlockServer, DataBlock, S7Error};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Notify, watch};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep, sleep_until, timeout, timeout_at};
 
-use super::answer::{NO_FUNCTION, answer};
 use super::{SessionLink, Teller, WallClock};
 use crate::Limits;
 
@@ -44,20 +41,19 @@ impl Shared {
             .expect("nothing panics while it holds this")
     }
 
-    /// One request of a client; what follows from it happens before anybody else sees the block.
-    fn answer(&self, pdu: &mut u16, request: S7Message) -> S7Message {
+    /// The next whole telegram of a client; what follows from it happens before anybody else sees the block.
+    fn answer(&self, server: &mut BlockServer) -> Result<Option<Vec<u8>>, S7Error> {
         let mut state = self.state();
-        let (body, is_written) = answer(&mut state.block, pdu, request.body);
-        if is_written {
+        let Some(served) = server.poll(&mut state.block)? else {
+            return Ok(None);
+        };
+        if served.is_written {
             let now = self.clock.now();
             state.handshake.handle_change(now);
             state.transfer(now);
             self.changed.notify_one();
         }
-        S7Message {
-            reference: request.reference,
-            body,
-        }
+        Ok(Some(served.frame))
     }
 }
 
@@ -160,9 +156,7 @@ struct BlockClient {
     shared: Arc<Shared>,
     idle: Duration,
     write: Duration,
-    reader: TelegramReader,
-    pdu: u16,
-    is_open: bool,
+    server: BlockServer,
 }
 
 impl BlockClient {
@@ -174,9 +168,7 @@ impl BlockClient {
             shared,
             idle: limits.idle,
             write: limits.write,
-            reader: TelegramReader::new(usize::from(PREFERRED_PDU)),
-            pdu: PREFERRED_PDU,
-            is_open: false,
+            server: BlockServer::new(),
         }
     }
 
@@ -185,7 +177,7 @@ impl BlockClient {
         let mut chunk = [0; 1024];
         let mut deadline = Instant::now() + self.idle;
         loop {
-            let was_inside = self.reader.is_inside();
+            let was_inside = self.server.is_inside();
             let count = match timeout_at(deadline, self.stream.read(&mut chunk)).await {
                 Err(_) if was_inside => return "its telegram did not end".to_owned(),
                 Err(_) => return "silent for too long".to_owned(),
@@ -193,14 +185,14 @@ impl BlockClient {
                 Ok(Ok(0)) => return "closed by the client".to_owned(),
                 Ok(Ok(count)) => count,
             };
-            self.reader.push(&chunk[..count]);
+            self.server.push(&chunk[..count]);
             let has_answered = match self.answer_all().await {
                 Ok(has_answered) => has_answered,
                 Err(reason) => return reason,
             };
             // The deadline of a telegram is counted from its first bytes.
             if has_answered || !was_inside {
-                let is_inside = self.reader.is_inside();
+                let is_inside = self.server.is_inside();
                 deadline = Instant::now() + if is_inside { WHOLE_TELEGRAM } else { self.idle };
             }
         }
@@ -210,48 +202,16 @@ impl BlockClient {
     async fn answer_all(&mut self) -> Result<bool, String> {
         let mut has_answered = false;
         loop {
-            let packet = match self.reader.poll() {
+            let frame = match self.shared.answer(&mut self.server) {
                 Ok(None) => return Ok(has_answered),
-                Ok(Some(packet)) => packet,
+                Ok(Some(frame)) => frame,
                 Err(error) => return Err(error.to_string()),
             };
             has_answered = true;
-            let reply = self.reply(packet)?;
-            match timeout(self.write, self.stream.write_all(&reply.emit())).await {
+            match timeout(self.write, self.stream.write_all(&frame)).await {
                 Err(_) => return Err("does not read our answers".to_owned()),
                 Ok(Err(error)) => return Err(format!("connection lost: {error}")),
                 Ok(Ok(())) => {}
-            }
-        }
-    }
-
-    fn reply(&mut self, packet: CotpPacket) -> Result<CotpPacket, String> {
-        match packet {
-            // Any rack and slot.
-            CotpPacket::ConnectRequest(request) => {
-                self.is_open = true;
-                Ok(CotpPacket::ConnectConfirm(CotpConnect {
-                    destination: request.source,
-                    source: 1,
-                    ..request
-                }))
-            }
-            CotpPacket::Data { payload, .. } if self.is_open => {
-                let answer = match S7Message::parse(&payload) {
-                    Ok(request) => self.shared.answer(&mut self.pdu, request),
-                    Err(S7Error::Unsupported { reference, .. }) => S7Message {
-                        reference,
-                        body: NO_FUNCTION,
-                    },
-                    Err(error) => return Err(error.to_string()),
-                };
-                self.reader.set_limit(usize::from(self.pdu));
-                Ok(CotpPacket::data(answer.emit()))
-            }
-            CotpPacket::Data { .. } => Err("sent data before it connected".to_owned()),
-            CotpPacket::DisconnectRequest { .. } => Err("closed by the client".to_owned()),
-            CotpPacket::ConnectConfirm(_) | CotpPacket::Reject { .. } => {
-                Err("sent a packet that clients do not send".to_owned())
             }
         }
     }

@@ -3,5 +3,4 @@
 mod fake_plc;
 mod faults;
 mod interop;
-mod offered_block;
 mod vision;

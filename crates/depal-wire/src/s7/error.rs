@@ -56,4 +56,10 @@ pub enum S7Error {
         /// The function; 0 if it has none.
         function: u8,
     },
+    /// The other end ends the connection.
+    #[error("the other end disconnects")]
+    Disconnected,
+    /// A packet that is not due: data before connecting, or an answer to nothing.
+    #[error("a packet that is not due")]
+    OutOfOrder,
 }

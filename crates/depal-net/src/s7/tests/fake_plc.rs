@@ -8,12 +8,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use depal_wire::s7::{
-    CotpConnect, CotpPacket, DataBlock, Field, S7Body, S7Message, TelegramReader,
+    CotpConnect, CotpPacket, DataBlock, Field, S7Body, S7Message, TelegramReader, answer,
 };
 use socket2::SockRef;
 
 use crate::s7::PlcAddress;
-use crate::s7::answer::answer;
 
 /// What the controller does with one packet.
 pub enum Act {

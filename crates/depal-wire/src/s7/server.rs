@@ -1,8 +1,9 @@
 //! What a server of the block answers: no sockets here.
 
-use depal_wire::s7::{
-    AREA_DB, BLOCK_BYTES, DataBlock, DataTransport, MIN_PDU, PREFERRED_PDU, ReturnCode, S7Body,
-    Setup, VarAddress, VarData, read_capacity,
+use super::{
+    AREA_DB, BLOCK_BYTES, CotpConnect, CotpPacket, DataBlock, DataTransport, MIN_PDU,
+    PREFERRED_PDU, ReturnCode, S7Body, S7Error, S7Message, Setup, TelegramReader, VarAddress,
+    VarData, read_capacity,
 };
 
 /// The one data block that is offered.
@@ -13,13 +14,95 @@ const TOO_LONG: S7Body = S7Body::Refusal {
     code: 0x00,
 };
 /// No such function.
-pub(super) const NO_FUNCTION: S7Body = S7Body::Refusal {
+const NO_FUNCTION: S7Body = S7Body::Refusal {
     class: 0x81,
     code: 0x04,
 };
 
+/// One connection to a server of the block: any rack and slot, data block 1 only, the whole of it writable.
+///
+/// Call [`push`](Self::push) with what arrived, then [`poll`](Self::poll) until `None`.
+/// After an error the connection has to be closed.
+#[derive(Debug, Clone)]
+pub struct BlockServer {
+    reader: TelegramReader,
+    pdu: u16,
+    is_open: bool,
+}
+
+/// What answers one packet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Served {
+    /// To be sent.
+    pub frame: Vec<u8>,
+    /// The block was written to.
+    pub is_written: bool,
+}
+
+impl Default for BlockServer {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl BlockServer {
+    /// Of a fresh connection.
+    pub fn new() -> Self {
+        Self {
+            reader: TelegramReader::new(usize::from(PREFERRED_PDU)),
+            pdu: PREFERRED_PDU,
+            is_open: false,
+        }
+    }
+
+    /// Takes what arrived.
+    pub fn push(&mut self, bytes: &[u8]) {
+        self.reader.push(bytes);
+    }
+
+    /// Whether a telegram has begun and not ended.
+    pub fn is_inside(&self) -> bool {
+        self.reader.is_inside()
+    }
+
+    /// Carries out the next whole telegram.
+    pub fn poll(&mut self, block: &mut DataBlock) -> Result<Option<Served>, S7Error> {
+        let Some(packet) = self.reader.poll()? else {
+            return Ok(None);
+        };
+        let payload = match packet {
+            CotpPacket::ConnectRequest(request) => {
+                self.is_open = true;
+                let confirm = CotpPacket::ConnectConfirm(CotpConnect {
+                    destination: request.source,
+                    source: 1,
+                    ..request
+                });
+                return Ok(Some(Served {
+                    frame: confirm.emit(),
+                    is_written: false,
+                }));
+            }
+            CotpPacket::Data { payload, .. } if self.is_open => payload,
+            CotpPacket::DisconnectRequest { .. } => return Err(S7Error::Disconnected),
+            _ => return Err(S7Error::OutOfOrder),
+        };
+        let (reference, (body, is_written)) = match S7Message::parse(&payload) {
+            Ok(request) => (
+                request.reference,
+                answer(block, &mut self.pdu, request.body),
+            ),
+            Err(S7Error::Unsupported { reference, .. }) => (reference, (NO_FUNCTION, false)),
+            Err(error) => return Err(error),
+        };
+        self.reader.set_limit(usize::from(self.pdu));
+        let frame = CotpPacket::data(S7Message { reference, body }.emit()).emit();
+        Ok(Some(Served { frame, is_written }))
+    }
+}
+
 /// The answer to one request, and whether the block was written to. A setup changes `pdu`.
-pub(super) fn answer(block: &mut DataBlock, pdu: &mut u16, request: S7Body) -> (S7Body, bool) {
+pub fn answer(block: &mut DataBlock, pdu: &mut u16, request: S7Body) -> (S7Body, bool) {
     match request {
         S7Body::SetupRequest(setup) if setup.pdu < MIN_PDU => (TOO_LONG, false),
         S7Body::SetupRequest(setup) => {

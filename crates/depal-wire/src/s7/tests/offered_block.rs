@@ -1,10 +1,6 @@
 //! What the offered block answers, without sockets.
 
-use depal_wire::s7::{
-    DataBlock, DataTransport, Field, ReturnCode, S7Body, Setup, VarAddress, VarData,
-};
-
-use crate::s7::answer::answer;
+use crate::s7::*;
 
 fn ask(block: &mut DataBlock, request: S7Body) -> (S7Body, bool) {
     answer(block, &mut 480, request)
