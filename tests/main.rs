@@ -4,4 +4,5 @@ mod counterfactuals;
 mod determinism;
 mod runner;
 mod scenes;
+mod siemens;
 mod tidy;

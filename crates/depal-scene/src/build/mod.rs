@@ -164,6 +164,7 @@ impl Scene {
             workflow: workflow::workflow(self),
             interface: vision::server(self),
             port: self.interface.port,
+            plc: None,
             controller,
             known_obstacles: solids::known_obstacles(self).iter().map(to_base).collect(),
             place: PlaceSpec {
