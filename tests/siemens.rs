@@ -21,7 +21,7 @@ fn run(cartons: u32, change: impl Fn(&mut PlcSettings)) -> Finished {
     let mut spec = scene.build().unwrap_or_else(|error| panic!("{error}")).spec;
     let mut settings = PlcSettings {
         box_size_mm: Some([400.0, 300.0, 250.0]),
-        home: spec.controller.start.clone(),
+        home: spec.controller.start,
         flange_from_tcp: spec.gripper.flange_from_tcp,
         ..PlcSettings::default()
     };

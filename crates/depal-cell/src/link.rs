@@ -79,10 +79,9 @@ impl Link {
     pub(crate) fn next_for_server(&mut self, now: SimTime) -> Option<(ConnectionId, ToServer)> {
         if let Some(mut plc) = self.plc.take() {
             self.tend(now, &mut plc);
-            let request = plc.poll_request();
+            let message = plc.poll_message();
             self.plc = Some(plc);
-            return request
-                .map(|request| (PLC, request.map_or(ToServer::Connect, ToServer::Bytes)));
+            return message.map(|message| (PLC, message));
         }
         self.next_message(now)
     }

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use depal_interface::{ConnectionId, HandshakeSettings, PlcClient, Profile};
 use depal_time::{SimDuration, SimTime};
 
+use crate::link::ToServer;
 use crate::spec::PlcPort;
 
 /// The session's client that stands for the controller. Robots that connect count from 1.
@@ -89,12 +90,12 @@ impl PlcLink {
         self.client.poll_output()
     }
 
-    /// `None` in the first place means: open the session.
-    pub(crate) fn poll_request(&mut self) -> Option<Option<Vec<u8>>> {
+    /// The next message for the session, which is opened first.
+    pub(crate) fn poll_message(&mut self) -> Option<ToServer> {
         if !self.is_session_open {
             self.is_session_open = true;
-            return Some(None);
+            return Some(ToServer::Connect);
         }
-        self.requests.pop_front().map(Some)
+        self.requests.pop_front().map(ToServer::Bytes)
     }
 }

@@ -389,7 +389,7 @@ impl Sequence {
                 let base_from_tcp = self.tcp(&point.joints, system);
                 (MoveKind::Linear, MoveTarget::Tcp(base_from_tcp))
             } else {
-                (MoveKind::Joint, MoveTarget::Joints(point.joints.clone()))
+                (MoveKind::Joint, MoveTarget::Joints(point.joints))
             };
             let request = self.request(kind, target, point.percent, acceleration, zone);
             self.moves.push_back(request);
@@ -397,7 +397,7 @@ impl Sequence {
     }
 
     fn go_home(&mut self, percent: f64, zone: MoveZone) {
-        let target = MoveTarget::Joints(self.settings.home.clone());
+        let target = MoveTarget::Joints(self.settings.home);
         let request = self.request(MoveKind::Joint, target, percent, 1.0, zone);
         self.moves.push_back(request);
     }

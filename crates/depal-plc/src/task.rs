@@ -48,9 +48,7 @@ impl PlcTask {
 
     /// Takes connections and answers telegrams; whether there was anything to do.
     fn communicate(&mut self, system: &mut dyn System) -> Result<bool, String> {
-        let listener = if let Some(listener) = self.listener {
-            listener
-        } else {
+        let Some(listener) = self.listener else {
             let listener = system.socket_create();
             system
                 .socket_bind(listener, "0.0.0.0", self.port)

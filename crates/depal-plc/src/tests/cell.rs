@@ -109,7 +109,7 @@ impl System for Cabinet {
     }
 
     fn inverse(&self, _: &Pose, near: &JointPositions) -> Result<JointPositions, Fault> {
-        Ok(near.clone())
+        Ok(*near)
     }
 
     fn socket_create(&mut self) -> SocketId {
@@ -300,7 +300,7 @@ impl Cell {
         if !self.is_away {
             self.vision();
         }
-        self.cabinet.now = self.cabinet.now + TICK;
+        self.cabinet.now += TICK;
         for _ in 0..100 {
             match self.task.step(&mut self.cabinet) {
                 Step::Ran => {}

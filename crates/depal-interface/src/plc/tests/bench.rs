@@ -183,7 +183,7 @@ impl Bench {
         let end = self.now + span;
         while self.now < end {
             self.step();
-            self.now = self.now + ms(1);
+            self.now += ms(1);
         }
     }
 
@@ -196,7 +196,7 @@ impl Bench {
                 "waited 20 s for: {what}"
             );
             self.step();
-            self.now = self.now + ms(1);
+            self.now += ms(1);
         }
         self.now.saturating_since(from)
     }

@@ -51,7 +51,7 @@ fn every_function_succeeds_once() {
     let size = b.jobs.iter().find_map(|job| match job {
         Job::RunVision {
             recipe, box_size, ..
-        } => Some((*recipe, box_size.map(|size| size.to_mm()))),
+        } => Some((*recipe, box_size.map(depal_frames::BoxSize::to_mm))),
         _ => None,
     });
     assert_eq!(size, Some((Some(2), Some([400.0, 300.0, 200.0]))));
@@ -275,7 +275,7 @@ fn refusals() {
             b.block.set_real(Field::Joints, 0, f32::NEG_INFINITY);
         }),
         (502, 2013, |b| {
-            b.block.set_real(Field::OuterPose, 3, f32::NAN)
+            b.block.set_real(Field::OuterPose, 3, f32::NAN);
         }),
         (501, 1022, |b| b.block.set_real(Field::BoxSize, 0, f32::NAN)),
         (501, 1022, |_| ()),
