@@ -164,3 +164,21 @@ fn first_beat_after_a_reconnect() {
     assert_eq!(b.seen[from].field, Field::Heartbeat);
     assert_eq!(b.seen[from].bytes, [1]);
 }
+
+/// What a block holds after a reconnect is unknown: rows that are not part of the answer are cleared.
+#[test]
+fn old_rows_of_a_returned_controller_are_cleared() {
+    let mut b = Bench::new();
+    b.set(Field::Project, 1);
+    b.call(101);
+    b.call(102);
+    b.handshake.handle_disconnect();
+    b.block.set_int(Field::TargetLabel, 30, 77);
+    b.block.set_real(Field::TargetPose, 39 * 6, 1.0);
+    b.connect();
+    b.call(101);
+    assert_eq!(b.call(102), 1100);
+    assert_eq!(b.block.int(Field::TargetLabel, 1), 2);
+    assert_eq!(b.block.int(Field::TargetLabel, 30), 0);
+    assert_eq!(b.block.real(Field::TargetPose, 39 * 6), 0.0);
+}
