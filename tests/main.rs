@@ -8,4 +8,5 @@ mod interface;
 mod modules;
 mod runner;
 mod scenes;
+mod siemens;
 mod tidy;

@@ -19,6 +19,7 @@ const ROWS: [&[&str]; 6] = [
     ],
     &[
         "depal-rapid",
+        "depal-plc",
         "depal-controller",
         "depal-world",
         "depal-planner",
@@ -34,7 +35,7 @@ const ROWS: [&[&str]; 6] = [
 const WITHIN_ROW: [(&str, &str); 1] = [("depal-motion", "depal-arm")];
 
 /// What a room must never know, whatever the rows allow.
-const FORBIDDEN: [(&str, &[&str]); 5] = [
+const FORBIDDEN: [(&str, &[&str]); 6] = [
     (
         "depal-vision",
         &["depal-world", "depal-camera", "depal-cell", "depal-gripper"],
@@ -54,6 +55,16 @@ const FORBIDDEN: [(&str, &[&str]); 5] = [
             "depal-motion",
             "depal-world",
             "depal-controller",
+        ],
+    ),
+    (
+        "depal-plc",
+        &[
+            "depal-arm",
+            "depal-motion",
+            "depal-world",
+            "depal-controller",
+            "depal-interface",
         ],
     ),
     (

@@ -15,6 +15,7 @@ use crate::link::Link;
 use crate::observer::{CartonView, CartonViewState, Observer, Snapshot};
 use crate::picks::PickKeeper;
 use crate::picture::Seen;
+use crate::plc_link::PlcLink;
 use crate::score::{CartonFate, Score};
 use crate::spec::CellSpec;
 use crate::truth::TrueCarton;
@@ -118,7 +119,7 @@ impl Cell {
             now: SimTime::ZERO,
             tick: 0,
             controller,
-            link: Link::new(spec.port, spec.latencies.network),
+            link: link(&spec),
             vision: VisionSide::new(&spec, stopwatch)?,
             picks: PickKeeper::default(),
             score,
@@ -209,6 +210,9 @@ impl Cell {
                     self.spec.port
                 ),
             });
+        }
+        while let Some(text) = self.link.poll_notice() {
+            self.pending.push(EventKind::Message { text });
         }
         // 3. Valves; seals, pressures and cup forces are solved inside the physics step.
         let valves = gripper_io::valves(&self.spec.gripper, &self.spec.wiring, &self.controller);
@@ -535,6 +539,15 @@ pub(crate) fn arm_poses(spec: &CellSpec, joints: &JointPositions) -> (Vec<Pose>,
     let world_from_tcp =
         spec.world_from_base * spec.arm.base_from_flange(joints) * spec.gripper.flange_from_tcp;
     (links, world_from_tcp)
+}
+
+/// What lies between the robot task and vision.
+fn link(spec: &CellSpec) -> Link {
+    let link = Link::new(spec.port, spec.latencies.network);
+    match (&spec.plc, spec.interface.ports.first()) {
+        (Some(plc), Some(port)) => link.with_plc(PlcLink::new(plc, port.profile.clone())),
+        _ => link,
+    }
 }
 
 /// The gripper's signals must be there before the first tick, not at the first pick.

@@ -26,6 +26,7 @@ pub mod observer;
 mod picks;
 mod picture;
 mod planning;
+mod plc_link;
 pub mod score;
 pub mod spec;
 pub mod station;

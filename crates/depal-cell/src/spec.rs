@@ -56,6 +56,10 @@ pub struct CellSpec {
     pub interface: ServerSettings,
     /// The port that the robot program connects to.
     pub port: u16,
+    /// Present if the robot task is a controller with a data block: then vision connects to the task and polls
+    /// the block, instead of the task connecting to vision. The session has to be one of
+    /// [`depal_interface::plc_port`].
+    pub plc: Option<PlcPort>,
     /// The cabinet.
     pub controller: ControllerSpec,
     /// What the planner knows about the cell, base frame: floor, pallet, conveyor, fences.
@@ -122,6 +126,21 @@ impl VisionProject {
         });
         ports.collect()
     }
+}
+
+/// The data block of a controller, as vision reaches it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PlcPort {
+    /// Where the controller listens; 102 as a rule.
+    pub port: u16,
+    /// Number of the block.
+    pub db: u16,
+    /// Rack of the processor.
+    pub rack: u8,
+    /// Its slot.
+    pub slot: u8,
+    /// How often Command Trigger is looked at.
+    pub poll: SimDuration,
 }
 
 /// Signals between cabinet and gripper.

@@ -13,7 +13,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use depal_interface::{ConnectionId, Encoding, LogEntry, PortId};
+use depal_interface::{ConnectionId, Encoding, LogEntry, PortId, Profile};
 use depal_time::{SimTime, TICK};
 use depal_world::World;
 
@@ -143,6 +143,12 @@ impl Station {
     /// How each port speaks.
     pub fn encodings(&self) -> Vec<Encoding> {
         let port = |lane: &Lane| lane.spec.interface.ports[0].encoding;
+        self.lanes.iter().map(port).collect()
+    }
+
+    /// The output rules of each port.
+    pub fn profiles(&self) -> Vec<Profile> {
+        let port = |lane: &Lane| lane.spec.interface.ports[0].profile.clone();
         self.lanes.iter().map(port).collect()
     }
 

@@ -26,7 +26,8 @@
 //!
 //! All commands of the interface. What a step kind does with an index, a parameter, an external pose, an input
 //! pose or a variable is the cell's business: it gets a [`Job`] for each.
-//! Calibration is a dialogue with poses of the settings; its geometry is not here. Not here: PLC sessions.
+//! Calibration is a dialogue with poses of the settings; its geometry is not here.
+//! Controllers that share a data block instead of sending commands are served through a [`Handshake`].
 
 mod calibration;
 mod dispatch;
@@ -37,6 +38,7 @@ mod log;
 mod notify;
 mod outbox;
 mod path_fetch;
+mod plc;
 mod project_values;
 mod property_config;
 mod server;
@@ -59,6 +61,7 @@ pub use job::{
 };
 pub use log::{Direction, LogEntry};
 pub use outbox::Outgoing;
+pub use plc::{Handshake, HandshakeSettings, PlcClient, PlcClientError, Transfer, plc_port};
 pub use property_config::{
     PropertyConfig, PropertyConfigError, PropertyValue, ReadLine, WriteLine,
 };

@@ -26,7 +26,9 @@
 //! Simulated time runs at the speed of the wall clock, in ticks of 4 ms, and waits where computing takes
 //! longer than its latency; it never runs faster to catch up.
 //!
-//! Limitations: TCP only, no PLC data block. A client that has closed its sending side and one that is
+//! Ports may also be data blocks of Siemens controllers, see [`s7`].
+//!
+//! Limitations: TCP only. A client that has closed its sending side and one that is
 //! gone look alike: its waiting command gives way to the next client's.
 
 mod brain;
@@ -40,6 +42,7 @@ mod notice;
 mod ports;
 mod replay;
 pub mod robot_sockets;
+pub mod s7;
 mod server;
 mod session_host;
 
@@ -47,7 +50,7 @@ pub use compute::{compute_at_once, compute_on_thread};
 pub use error::NetError;
 pub use limits::Limits;
 pub use notice::Notice;
-pub use ports::{Ports, bind};
+pub use ports::{Listen, Ports, bind, open};
 pub use replay::{Difference, Replayed, replay};
 pub use server::{Stop, Stopper, serve};
 pub use session_host::SessionHost;

@@ -59,6 +59,13 @@ pub enum Notice {
     },
     /// A message, decoded.
     Message(LogEntry),
+    /// A controller came or went, or something is wrong with it or with its block.
+    Plc {
+        /// The port.
+        port: PortId,
+        /// In words, for people.
+        text: String,
+    },
     /// Something happened in the cell for a port.
     Happened(PortId, Event),
 }

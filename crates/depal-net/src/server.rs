@@ -1,12 +1,14 @@
 //! The threads and tasks of a server, from the first client to a clean end.
 
 use std::net::SocketAddr;
+use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
 
-use depal_interface::{ConnectionId, Encoding, PortId};
+use depal_interface::{ConnectionId, Encoding, HandshakeSettings, PortId, Profile};
+use depal_time::SimDuration;
 use socket2::{SockRef, TcpKeepalive};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{mpsc, oneshot, watch};
@@ -15,6 +17,8 @@ use tokio::task::JoinSet;
 use crate::brain::{Brain, Notices, ToBrain};
 use crate::client::Task;
 use crate::journal::Journal;
+use crate::ports::Listener;
+use crate::s7::{SessionLink, Teller, poll_plc, serve_block};
 use crate::{Limits, NetError, Notice, Ports, SessionHost};
 
 /// After a failed accept (no descriptor left): then clients may have gone.
@@ -79,6 +83,7 @@ pub fn serve(
         .map_err(NetError::Start)?;
     let notices: Notices = Arc::new(notices);
     let encodings = station.encodings();
+    let profiles = station.profiles();
     let (to_brain, messages) = channel();
     let (brain_ended, brain_end) = oneshot::channel();
     let brain = Brain::new(station, journal, Arc::clone(&notices), messages);
@@ -97,7 +102,8 @@ pub fn serve(
         to_brain,
         next_client: AtomicU64::new(1),
     };
-    let served = runtime.block_on(Arc::new(server).run(ports, encodings, stop, brain_end));
+    let served =
+        runtime.block_on(Arc::new(server).run(ports, encodings, profiles, stop, brain_end));
     // Tasks that are still writing are given up here.
     runtime.shutdown_background();
     served?;
@@ -116,6 +122,7 @@ impl Server {
         self: Arc<Self>,
         ports: Ports,
         encodings: Vec<Encoding>,
+        profiles: Vec<Profile>,
         mut stop: Stop,
         brain_end: oneshot::Receiver<()>,
     ) -> Result<(), NetError> {
@@ -123,8 +130,16 @@ impl Server {
         let mut accepting = JoinSet::new();
         for (place, (listener, encoding)) in ports.listeners.into_iter().zip(encodings).enumerate()
         {
-            let listener = TcpListener::from_std(listener).map_err(NetError::Start)?;
             let port = PortId(place as u16);
+            let listener = match listener {
+                Listener::Commands(listener) => listener,
+                block => {
+                    let profile = profiles[place].clone();
+                    accepting.spawn(self.block(block, port, profile, stop_seen.clone())?);
+                    continue;
+                }
+            };
+            let listener = TcpListener::from_std(listener).map_err(NetError::Start)?;
             accepting.spawn(Arc::clone(&self).accept(listener, port, encoding, stop_seen.clone()));
         }
         let signal = signal(stop.with_signals)?;
@@ -139,6 +154,39 @@ impl Server {
         // Fails if the brain has ended by itself; its error is what counts then.
         let _ = self.to_brain.send(ToBrain::Stop);
         Ok(())
+    }
+
+    /// The task behind a data block, ours or a controller's.
+    fn block(
+        &self,
+        listener: Listener,
+        port: PortId,
+        profile: Profile,
+        stop: watch::Receiver<bool>,
+    ) -> Result<Pin<Box<dyn Future<Output = ()> + Send>>, NetError> {
+        let number = self.next_client.fetch_add(1, Ordering::Relaxed);
+        let session = SessionLink::new((port, ConnectionId(number)), self.to_brain.clone());
+        let teller = Teller {
+            port,
+            notices: Arc::clone(&self.notices),
+        };
+        let mut settings = HandshakeSettings {
+            profile,
+            ..HandshakeSettings::default()
+        };
+        Ok(match listener {
+            Listener::S7Client(plc) => {
+                settings.poll_period = SimDuration::from_nanos(plc.poll.as_nanos() as u64);
+                Box::pin(poll_plc(plc, settings, session, teller, stop))
+            }
+            Listener::S7Server(listener) | Listener::Commands(listener) => {
+                let listener = TcpListener::from_std(listener).map_err(NetError::Start)?;
+                let limits = self.limits.clone();
+                Box::pin(serve_block(
+                    listener, settings, session, limits, teller, stop,
+                ))
+            }
+        })
     }
 
     /// Takes clients until told to stop, then waits for those it has.

@@ -1,6 +1,6 @@
 use depal_cell::event::Event;
 use depal_cell::station::{Station, StationReply};
-use depal_interface::{ConnectionId, Encoding, LogEntry, PortId};
+use depal_interface::{ConnectionId, Encoding, LogEntry, PortId, Profile};
 
 /// What owns the sessions behind the ports: a [`Station`], or what a test or a bench puts in its place.
 ///
@@ -8,6 +8,10 @@ use depal_interface::{ConnectionId, Encoding, LogEntry, PortId};
 pub trait SessionHost: Send {
     /// How each port speaks.
     fn encodings(&self) -> Vec<Encoding>;
+    /// The output rules of each port; those of the default version unless told otherwise.
+    fn profiles(&self) -> Vec<Profile> {
+        vec![Profile::v1_8(); self.encodings().len()]
+    }
     /// Ticks so far.
     fn tick(&self) -> u64;
     /// A client is there.
@@ -35,6 +39,10 @@ pub trait SessionHost: Send {
 impl SessionHost for Station {
     fn encodings(&self) -> Vec<Encoding> {
         self.encodings()
+    }
+
+    fn profiles(&self) -> Vec<Profile> {
+        self.profiles()
     }
 
     fn tick(&self) -> u64 {

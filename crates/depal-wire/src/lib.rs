@@ -22,7 +22,8 @@
 //! The angles of a pose stay in the brand's own order here: their meaning is the server's business.
 //! Numbers in HEX are single precision.
 //!
-//! Commands 503 to 507 carry text and exist in ASCII only. Not here: the PLC data block.
+//! Commands 503 to 507 carry text and exist in ASCII only.
+//! [`s7`] holds the telegrams and the data block of Siemens controllers, which speak no commands but share memory.
 
 mod cells;
 mod command;
@@ -32,6 +33,7 @@ mod framer;
 mod profile;
 mod reply;
 mod request;
+pub mod s7;
 mod status;
 
 pub use command::c100_run_vision::RunVision;

@@ -13,6 +13,7 @@ mod failure;
 mod image_file;
 mod init;
 mod kinematics;
+mod listen;
 mod output;
 mod overlay;
 mod plan;
@@ -158,7 +159,8 @@ struct RunArgs {
 struct ServeArgs {
     /// Scene file; the built-in demo if left out.
     scene: Option<PathBuf>,
-    /// A port: KIND is ascii, hex-le or hex-be. ADDR may be left out: then only this computer can connect.
+    /// A port: KIND is ascii, hex-le or hex-be; s7-server offers a PLC's data block, s7 works on that of the
+    /// PLC at ADDR:PORT?db=1&rack=0&slot=1&poll_ms=20. ADDR may be left out: then only this computer can connect.
     /// May be given many times; each is a session of its own. If left out, the scene's own port.
     #[arg(long, value_name = "KIND=ADDR:PORT")]
     listen: Vec<String>,

@@ -2,60 +2,49 @@
 
 use std::fs::File;
 use std::io::Write as _;
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, ToSocketAddrs};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 
 use depal_cell::spec::CellSpec;
 use depal_cell::station::{Errands, Station, StationReply};
-use depal_interface::{Encoding, PortSettings};
+use depal_interface::PortSettings;
 use depal_net::journal::{FORMAT, Header, Journal, Recorded, read};
-use depal_net::{Limits, NetError, Stop, bind, compute_at_once, compute_on_thread, replay};
+use depal_net::{Limits, Listen, NetError, Stop, compute_at_once, compute_on_thread, open, replay};
 use serde_json::json;
 
 use crate::ServeArgs;
 use crate::failure::Failure;
+use crate::listen::{Kind, Port, parse_listens};
 use crate::run::{explain, faults, load_scene, wall_seconds};
 use crate::serve_log::ServeLog;
-
-/// One `--listen`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Listen {
-    encoding: Encoding,
-    address: SocketAddr,
-}
 
 /// Serves until told to stop, or replays a journal.
 pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     if args.replay.is_some() {
         return answer_again(args);
     }
-    let mut listens = args
-        .listen
-        .iter()
-        .map(|text| parse_listen(text))
-        .collect::<Result<Vec<_>, _>>()?;
+    let mut listens = parse_listens(&args.listen)?;
     let mut spec = cell_spec(args.scene.as_ref(), &args.set)?;
     spec.interface.faults.extend(faults(&args.inject)?);
     if listens.is_empty() {
         let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), spec.port);
-        let encoding = own_port(&spec).encoding;
-        listens.push(Listen { encoding, address });
+        listens.push(Port::commands(own_port(&spec).encoding, address));
     }
-    let addresses: Vec<SocketAddr> = listens.iter().map(|listen| listen.address).collect();
-    let ports = bind(&addresses).map_err(environment)?;
-    let encodings: Vec<Encoding> = listens.iter().map(|listen| listen.encoding).collect();
-    open_sessions(&mut spec, &encodings);
+    let wanted: Vec<Listen> = listens.iter().map(|port| port.listen).collect();
+    let ports = open(&wanted).map_err(environment)?;
+    let kinds: Vec<Kind> = listens.iter().map(|port| port.kind).collect();
+    open_sessions(&mut spec, &kinds);
 
-    let journal = open_journal(args, &spec, &encodings)?;
+    let journal = open_journal(args, &spec, &kinds)?;
     let errands = compute_on_thread().map_err(environment)?;
     let station = station(spec, errands)?;
 
-    let names: Vec<String> = encodings
+    let names: Vec<String> = kinds
         .iter()
         .zip(ports.addresses())
-        .map(|(encoding, address)| format!("{}:{}", encoding.name(), address.port()))
+        .map(|(kind, address)| format!("{}:{}", kind.name(), address.port()))
         .collect();
-    announce(args, &encodings, ports.addresses())?;
+    announce(args, &kinds, ports.addresses())?;
     let log = ServeLog::start(names, args.verbose)?;
     let notices = log.notices();
     let served = depal_net::serve(
@@ -70,36 +59,6 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     served.map_err(environment)
 }
 
-/// KIND=ADDR:PORT; the address may be left out.
-fn parse_listen(text: &str) -> Result<Listen, Failure> {
-    let input = |message: String| Failure::Input(format!("--listen {text}: {message}"));
-    let (kind, place) = text
-        .split_once('=')
-        .ok_or_else(|| input("expected KIND=ADDR:PORT, as in ascii=127.0.0.1:50000".to_owned()))?;
-    let encoding = Encoding::from_name(&kind.to_ascii_lowercase()).ok_or_else(|| {
-        let kinds = "expected ascii, hex-le or hex-be";
-        match kind {
-            "s7" | "s7-server" => input(format!("{kinds}; kind {kind} is not served yet")),
-            _ => input(format!("{kinds}, found {kind:?}")),
-        }
-    })?;
-    let bad_place = || {
-        input(format!(
-            "expected ADDR:PORT or PORT, as in 127.0.0.1:50000, found {place:?}"
-        ))
-    };
-    let port_alone = place.strip_prefix(':').unwrap_or(place).parse::<u16>();
-    let address = match port_alone {
-        Ok(port) => SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port),
-        Err(_) => place
-            .to_socket_addrs()
-            .map_err(|_| bad_place())?
-            .next()
-            .ok_or_else(bad_place)?,
-    };
-    Ok(Listen { encoding, address })
-}
-
 fn cell_spec(scene: Option<&PathBuf>, set: &[String]) -> Result<CellSpec, Failure> {
     load_scene(scene.map(PathBuf::as_path), set, None)?
         .cell_spec()
@@ -112,13 +71,9 @@ fn own_port(spec: &CellSpec) -> PortSettings {
 }
 
 /// One session for each kind; all else as the scene says.
-fn open_sessions(spec: &mut CellSpec, encodings: &[Encoding]) {
+fn open_sessions(spec: &mut CellSpec, kinds: &[Kind]) {
     let own = own_port(spec);
-    let session = |encoding: &Encoding| PortSettings {
-        encoding: *encoding,
-        ..own.clone()
-    };
-    spec.interface.ports = encodings.iter().map(session).collect();
+    spec.interface.ports = kinds.iter().map(|kind| kind.session(&own)).collect();
 }
 
 fn station(spec: CellSpec, errands: Errands) -> Result<Station, Failure> {
@@ -128,7 +83,7 @@ fn station(spec: CellSpec, errands: Errands) -> Result<Station, Failure> {
 fn open_journal(
     args: &ServeArgs,
     spec: &CellSpec,
-    encodings: &[Encoding],
+    kinds: &[Kind],
 ) -> Result<Option<Journal>, Failure> {
     let Some(path) = &args.journal else {
         return Ok(None);
@@ -143,7 +98,7 @@ fn open_journal(
             .map(|file| file.to_string_lossy().into_owned()),
         set: args.set.clone(),
         inject: args.inject.clone(),
-        ports: encodings.iter().map(|e| e.name().to_owned()).collect(),
+        ports: kinds.iter().map(|kind| kind.name().to_owned()).collect(),
     };
     let failed = |error: std::io::Error| {
         Failure::Environment(format!(
@@ -157,24 +112,24 @@ fn open_journal(
 }
 
 /// The ready line.
-fn announce(
-    args: &ServeArgs,
-    encodings: &[Encoding],
-    addresses: &[SocketAddr],
-) -> Result<(), Failure> {
-    let listening = || encodings.iter().zip(addresses);
-    for (encoding, address) in listening() {
-        eprintln!("{} on {address}", encoding.name());
+fn announce(args: &ServeArgs, kinds: &[Kind], addresses: &[SocketAddr]) -> Result<(), Failure> {
+    let listening = || kinds.iter().zip(addresses);
+    for (kind, address) in listening() {
+        let does = if *kind == Kind::S7 {
+            "polls the PLC at"
+        } else {
+            "on"
+        };
+        eprintln!("{} {does} {address}", kind.name());
     }
-    if let Some((_, address)) = listening().find(|(encoding, _)| !encoding.is_hex()) {
+    let is_text = |kind: &Kind| matches!(kind, Kind::Commands(encoding) if !encoding.is_hex());
+    if let Some((_, address)) = listening().find(|(kind, _)| is_text(kind)) {
         let (host, port) = (address.ip(), address.port());
         eprintln!("try: nc {host} {port}, then type 901; Ctrl-C ends the server");
     }
     if args.json {
         let list: Vec<_> = listening()
-            .map(
-                |(encoding, address)| json!({"kind": encoding.name(), "addr": address.to_string()}),
-            )
+            .map(|(kind, address)| json!({"kind": kind.name(), "addr": address.to_string()}))
             .collect();
         let mut out = std::io::stdout();
         writeln!(out, "{}", json!({ "listening": list }))
@@ -211,15 +166,15 @@ fn answer_again(args: &ServeArgs) -> Result<(), Failure> {
             header.scene, spec.scene
         )));
     }
-    let encodings = header
+    let kinds = header
         .ports
         .iter()
         .map(|kind| {
-            Encoding::from_name(kind)
+            Kind::from_name(kind)
                 .ok_or_else(|| Failure::Input(format!("the journal has a port of kind {kind:?}")))
         })
         .collect::<Result<Vec<_>, _>>()?;
-    open_sessions(&mut spec, &encodings);
+    open_sessions(&mut spec, &kinds);
     let mut station = station(spec, compute_at_once())?;
     let replayed = replay(&mut station, &recorded.entries);
     if args.json {

@@ -105,6 +105,7 @@ fn line(notice: &Notice, names: &[String]) -> Option<String> {
             client,
             reason,
         } => format!("{} #{} gone: {reason}", name(port), client.0),
+        Notice::Plc { port, text } => format!("{} {text}", name(port)),
         Notice::RawReceived {
             at,
             port,

@@ -169,6 +169,7 @@ impl Scene {
             interface: server::server(self, &workflow, calibration::poses(self, &arm, &start)),
             workflow,
             port: self.interface.port,
+            plc: None,
             controller,
             known_obstacles: solids::known_obstacles(self).iter().map(to_base).collect(),
             place: PlaceSpec {

@@ -1,0 +1,4 @@
+mod block;
+mod golden;
+mod laws;
+mod offered_block;
