@@ -83,7 +83,7 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
             Ok(summary) => (summary, Vec::new()),
             Err(messages) => {
                 let findings = messages.into_iter().map(|(line, message)| {
-                    eprintln!("error: {message}");
+                    tell!("error: {message}");
                     Finding {
                         line,
                         ..Finding::of_file(code, message)
@@ -109,13 +109,13 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
     verdicts.sort_by_key(|verdict| place(&verdict.path).unwrap_or(usize::MAX));
     let errors: usize = verdicts.iter().map(Verdict::errors).sum();
     if json {
-        println!("{}", document(&verdicts));
+        say!("{}", document(&verdicts));
     } else {
         for verdict in &verdicts {
             match verdict.errors() {
-                0 => println!("{}: {}", verdict.path, verdict.summary),
+                0 => say!("{}: {}", verdict.path, verdict.summary),
                 _ if verdict.summary.is_empty() => {}
-                count => println!("{}: {count} error(s)", verdict.path),
+                count => say!("{}: {count} error(s)", verdict.path),
             }
         }
     }
@@ -166,7 +166,7 @@ fn check_scene(path: &Path) -> Result<String, Vec<String>> {
         .build()
         .map_err(|error| vec![format!("{}: {}", path.display(), explain(&error))])?;
     for warning in &built.warnings {
-        eprintln!("{}", draw(warning, &built.sources));
+        tell!("{}", draw(warning, &built.sources));
     }
     let projects: Vec<i32> = built.spec.projects.keys().copied().collect();
     let paths = built.spec.projects.values().filter_map(|p| p.path.as_ref());
@@ -193,7 +193,7 @@ fn check_arm(path: &Path) -> Result<String, Vec<String>> {
     let arm = Arm::from_urdf_uniform(&text, &path.to_string_lossy(), NOMINAL_ACCELERATION)
         .map_err(|error| vec![error.to_string()])?;
     for warning in arm.warnings() {
-        eprintln!("warning: {}: {warning}", path.display());
+        tell!("warning: {}: {warning}", path.display());
     }
     Ok(format!(
         "good: {} with {} joints and {} links",
@@ -241,7 +241,7 @@ fn check_modules(
             }
             Err(error) => {
                 let message = format!("cannot read {}: {error}", path.display());
-                eprintln!("error: {message}");
+                tell!("error: {message}");
                 let verdict = &mut verdicts[*place];
                 verdict.summary.clear();
                 verdict.findings.push(Finding::of_file("FILE", message));
@@ -260,7 +260,7 @@ fn check_modules(
         depal_rapid::check(&sources).diagnostics
     };
     for diagnostic in &diagnostics {
-        eprintln!("{}\n", draw(diagnostic, &sources));
+        tell!("{}\n", draw(diagnostic, &sources));
         let span = diagnostic.primary.span;
         let index = (span.file as usize).min(sources.len() - 1);
         let at = sources[index].line_column(span.start);
@@ -273,7 +273,7 @@ fn check_modules(
         });
     }
     if let Some(first) = diagnostics.first() {
-        eprintln!(
+        tell!(
             "`depal explain {}` tells more about the first message",
             first.code
         );

@@ -78,7 +78,7 @@ pub fn detect(args: &DetectArgs) -> Result<(), Failure> {
     }
     if args.json {
         let boxes: Vec<Value> = detection.boxes.iter().map(box_json).collect();
-        println!(
+        say!(
             "{}",
             json!({"boxes": boxes, "time_ms": round(time_ms, 1e3)})
         );
@@ -89,17 +89,20 @@ pub fn detect(args: &DetectArgs) -> Result<(), Failure> {
 }
 
 fn print_for_people(frame: &DepthFrame, boxes: &[DetectedBox], time_ms: f64) {
-    eprintln!("{} boxes in {time_ms:.1} ms", boxes.len());
+    tell!("{} boxes in {time_ms:.1} ms", boxes.len());
     for found in boxes {
         let at = found.camera_from_box.translation.vector * 1e3;
         let [l, w, _] = found.size.to_mm();
-        eprintln!(
+        tell!(
             "  at ({:8.1} {:8.1} {:8.1}) mm   {l:.0} x {w:.0} mm   confidence {:.2}",
-            at.x, at.y, at.z, found.confidence
+            at.x,
+            at.y,
+            at.z,
+            found.confidence
         );
     }
     if frame.depth.iter().all(|&z| z == 0.0) {
-        eprintln!("no pixel of the depth image is valid");
+        tell!("no pixel of the depth image is valid");
     }
 }
 

@@ -220,7 +220,7 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), F
         depal_rapid::load(&sources, &known, &entry)
     };
     for diagnostic in &loaded.diagnostics {
-        eprintln!("{}\n", draw(diagnostic, &sources));
+        tell!("{}\n", draw(diagnostic, &sources));
     }
     let program = loaded.program.ok_or_else(|| {
         Failure::Input(format!(

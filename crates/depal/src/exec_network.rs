@@ -67,7 +67,7 @@ impl ProgramNetwork {
         match self {
             Self::Replay(replay) => {
                 if let Some(difference) = replay.difference() {
-                    eprintln!("not as in the transcript: {difference}");
+                    tell!("not as in the transcript: {difference}");
                 }
                 Ok(())
             }

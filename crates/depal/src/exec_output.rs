@@ -97,7 +97,7 @@ impl Output {
                     let _ = writeln!(stdout, "{line}").and_then(|()| stdout.flush());
                 }
             }
-            ControllerEvent::Log { at, text, .. } => eprintln!("{:.3} s {text}", at.as_secs_f64()),
+            ControllerEvent::Log { at, text, .. } => tell!("{:.3} s {text}", at.as_secs_f64()),
             ControllerEvent::MoveStarted { .. } => self.moves += 1,
             _ => {}
         }
@@ -113,7 +113,7 @@ impl Output {
     pub fn invalid(&self, message: &str, wall: Duration) {
         if self.json {
             let error = json!({"module": null, "routine": null, "line": null, "message": message});
-            println!("{}", self.summary("invalid", SimTime::ZERO, wall, &error));
+            say!("{}", self.summary("invalid", SimTime::ZERO, wall, &error));
         }
     }
 
@@ -130,7 +130,7 @@ impl Output {
             End::Idle => ("idle", Json::Null),
             End::TimeLimit => ("time_limit", Json::Null),
             End::Failed(place) => {
-                eprintln!("{}", place.error.report(now));
+                tell!("{}", place.error.report(now));
                 let error = json!({
                     "module": place.module,
                     "routine": place.routine,
@@ -141,7 +141,7 @@ impl Output {
             }
         };
         if self.json {
-            println!("{}", self.summary(word, now, wall, &error));
+            say!("{}", self.summary(word, now, wall, &error));
         }
         Ok(())
     }

@@ -6,13 +6,13 @@ use crate::failure::Failure;
 pub fn explain(code: Option<&str>) -> Result<(), Failure> {
     let Some(code) = code else {
         for page in depal_rapid::pages() {
-            println!("{}  {}", page.code, page.title);
+            say!("{}  {}", page.code, page.title);
         }
         return Ok(());
     };
     match depal_rapid::explain(code) {
         Some(page) => {
-            print!("{}", page.markdown());
+            say!("{}", page.markdown().trim_end());
             Ok(())
         }
         None => Err(Failure::Input(format!(

@@ -24,11 +24,11 @@ impl Failure {
             Self::NotAccepted => ExitCode::from(1),
             Self::Told(code) => ExitCode::from(*code),
             Self::Input(message) => {
-                eprintln!("error: {message}");
+                tell!("error: {message}");
                 ExitCode::from(2)
             }
             Self::Environment(message) => {
-                eprintln!("error: {message}");
+                tell!("error: {message}");
                 ExitCode::from(3)
             }
             Self::TimeLimit => ExitCode::from(4),

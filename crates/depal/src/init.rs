@@ -56,16 +56,16 @@ pub fn init(args: &InitArgs) -> Result<(), Failure> {
     for (name, text) in RAPID {
         let path = args.folder.join(name);
         if path.exists() {
-            eprintln!("kept: {}", path.display());
+            tell!("kept: {}", path.display());
             continue;
         }
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(|error| failed(parent, error))?;
         }
         std::fs::write(&path, text).map_err(|error| failed(&path, error))?;
-        println!("{}", path.display());
+        say!("{}", path.display());
     }
     let scene = args.folder.join("sample.toml");
-    eprintln!("try: depal run {}", scene.display());
+    tell!("try: depal run {}", scene.display());
     Ok(())
 }

@@ -16,7 +16,7 @@ pub fn kinematics(path: &Path, samples: usize, seed: u64, as_json: bool) -> Resu
     let arm = Arm::from_urdf_uniform(&text, &path.to_string_lossy(), 1.0)
         .map_err(|error| Failure::Input(error.to_string()))?;
     for warning in arm.warnings() {
-        eprintln!("warning: {}: {warning}", path.display());
+        tell!("warning: {}: {warning}", path.display());
     }
     let mut random = RandomStreams::new(seed).stream("kinematics");
     let mut listed = Vec::new();
@@ -47,7 +47,7 @@ pub fn kinematics(path: &Path, samples: usize, seed: u64, as_json: bool) -> Resu
             "base": arm.links()[0].name, "tip": arm.tip(), "joint_names": arm.joint_names(),
             "samples": listed,
         });
-        println!("{document}");
+        say!("{document}");
     }
     Ok(())
 }
@@ -64,7 +64,7 @@ fn print_row(index: usize, joints: &JointPositions, base_from_tip: &Pose, soluti
         .map(|d| format!("{d:.1}"))
         .collect();
     let at = base_from_tip.translation.vector;
-    println!(
+    say!(
         "{index}: joints {} deg, tip at ({:.4}, {:.4}, {:.4}) m, {solutions} solutions",
         degrees.join(" "),
         at.x,

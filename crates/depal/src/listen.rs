@@ -19,6 +19,8 @@ const SLOWEST_POLL_MS: u64 = 10_000;
 pub enum Kind {
     /// Commands in an encoding.
     Commands(Encoding),
+    /// Commands in the encoding that each client shows.
+    Auto,
     /// A controller's data block.
     S7,
     /// The data block, offered.
@@ -30,6 +32,7 @@ impl Kind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Commands(encoding) => encoding.name(),
+            Self::Auto => "auto",
             Self::S7 => "s7",
             Self::S7Server => "s7-server",
         }
@@ -38,9 +41,19 @@ impl Kind {
     /// The kind of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         match name.to_ascii_lowercase().replace('_', "-").as_str() {
+            "auto" => Some(Self::Auto),
             "s7" => Some(Self::S7),
             "s7-server" => Some(Self::S7Server),
             other => Encoding::from_name(other).map(Self::Commands),
+        }
+    }
+
+    /// The kind of a scene's own port.
+    pub fn of_port(own: &PortSettings) -> Self {
+        if own.detects_encoding {
+            Self::Auto
+        } else {
+            Self::Commands(own.encoding)
         }
     }
 
@@ -49,6 +62,12 @@ impl Kind {
         match self {
             Self::Commands(encoding) => PortSettings {
                 encoding,
+                detects_encoding: false,
+                ..own.clone()
+            },
+            Self::Auto => PortSettings {
+                encoding: Encoding::Ascii,
+                detects_encoding: true,
                 ..own.clone()
             },
             Self::S7 | Self::S7Server => plc_port(own),
@@ -67,9 +86,9 @@ pub struct Port {
 
 impl Port {
     /// Commands at an address.
-    pub fn commands(encoding: Encoding, address: SocketAddr) -> Self {
+    pub fn commands(kind: Kind, address: SocketAddr) -> Self {
         Self {
-            kind: Kind::Commands(encoding),
+            kind,
             listen: Listen::Commands(address),
         }
     }
@@ -98,7 +117,7 @@ fn parse_listen(text: &str) -> Result<Port, Failure> {
         .ok_or_else(|| input("expected KIND=ADDR:PORT, as in ascii=127.0.0.1:50000".to_owned()))?;
     let kind = Kind::from_name(kind).ok_or_else(|| {
         input(format!(
-            "expected ascii, hex-le, hex-be, s7 or s7-server, found {kind:?}"
+            "expected ascii, hex-le, hex-be, auto, s7 or s7-server, found {kind:?}"
         ))
     })?;
     let (place, options) = match place.split_once('?') {
@@ -111,7 +130,7 @@ fn parse_listen(text: &str) -> Result<Port, Failure> {
         ))
     })?;
     let listen = match kind {
-        Kind::Commands(_) => Listen::Commands(address),
+        Kind::Commands(_) | Kind::Auto => Listen::Commands(address),
         Kind::S7Server => Listen::S7Server(address),
         Kind::S7 if address.port() == 0 => {
             return Err(input("expected the controller's port, found 0".to_owned()));

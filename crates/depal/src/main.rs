@@ -2,6 +2,9 @@
 // The comments of commands and flags are their help texts: shown as they stand, not as Markdown.
 #![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags)]
 
+#[macro_use]
+mod speak;
+
 mod check;
 mod detect;
 mod diagnostics;

@@ -71,7 +71,7 @@ pub fn plan(path: &Path, as_json: bool) -> Result<(), Failure> {
         results.push(result);
     }
     if as_json {
-        println!("{}", json!({ "results": results }));
+        say!("{}", json!({ "results": results }));
     }
     if all_solved {
         Ok(())
@@ -92,7 +92,7 @@ fn scene(path: &Path, file: &File) -> Result<TransferScene, Failure> {
     let arm = Arm::from_urdf_uniform(&read(&robot)?, &name, 1.0)
         .map_err(|error| Failure::Input(error.to_string()))?;
     for warning in arm.warnings() {
-        eprintln!("warning: {name}: {warning}");
+        tell!("warning: {name}: {warning}");
     }
     let speeds = match &file.velocity_limits {
         Some(limits) => limits.clone(),
@@ -101,7 +101,7 @@ fn scene(path: &Path, file: &File) -> Result<TransferScene, Failure> {
     let accelerations = if let Some(limits) = &file.acceleration_limits {
         limits.clone()
     } else {
-        eprintln!(
+        tell!(
             "warning: {}: no acceleration_limits; full speed is taken to need {RAMP_S} s",
             path.display()
         );
@@ -131,7 +131,7 @@ fn scene(path: &Path, file: &File) -> Result<TransferScene, Failure> {
     }
     for name in file.allowed_pairs.iter().flat_map(|(a, b)| [a, b]) {
         if link(name).is_err() {
-            eprintln!(
+            tell!(
                 "warning: {}: allowed_pairs: no link '{name}'",
                 path.display()
             );
@@ -241,7 +241,7 @@ fn print_row(result: &Value) {
     let figure = |key: &str| result[key].as_f64().unwrap_or(f64::NAN);
     let reason = result["reason"].as_str().unwrap_or("");
     if result["solved"] == true {
-        println!(
+        say!(
             "{id}: {:.3} s in {} waypoints, bound {:.3} s, clearance {:.1} mm, planned in {:.1} ms ({reason})",
             figure("motion_s"),
             result["waypoints"].as_array().map_or(0, Vec::len),
@@ -250,6 +250,6 @@ fn print_row(result: &Value) {
             figure("plan_ms"),
         );
     } else {
-        println!("{id}: no way: {reason} ({:.1} ms)", figure("plan_ms"));
+        say!("{id}: no way: {reason} ({:.1} ms)", figure("plan_ms"));
     }
 }

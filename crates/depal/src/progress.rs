@@ -44,7 +44,7 @@ impl Progress {
             bar.set_position(placed as u64);
             bar.set_message(text);
         } else if (seconds.round() as u64).is_multiple_of(60) {
-            eprintln!("{placed}/{} cartons, {text}", self.total);
+            tell!("{placed}/{} cartons, {text}", self.total);
         }
     }
 

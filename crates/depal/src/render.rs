@@ -78,13 +78,13 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
     }
     if args.json {
         let round = |ms: f64| (ms * 1e3).round() / 1e3;
-        println!(
+        say!(
             "{}",
             json!({"render_ms": round(render_ms), "sensor_ms": round(sensor_ms)})
         );
     } else {
-        eprintln!("rendered in {render_ms:.1} ms, sensor {sensor_ms:.1} ms");
-        eprintln!("results      {}", args.out.display());
+        tell!("rendered in {render_ms:.1} ms, sensor {sensor_ms:.1} ms");
+        tell!("results      {}", args.out.display());
     }
     Ok(())
 }

@@ -21,15 +21,15 @@ use crate::replay_setup::recording_setup;
 
 /// The demo: the built-in scene with everything left as it is, and what to try next.
 pub fn demo() -> Result<(), Failure> {
-    eprintln!(
+    tell!(
         "depal {}: the built-in demo, a full pallet emptied by a RAPID program",
         env!("CARGO_PKG_VERSION")
     );
     let folder = run_scene(&RunArgs::default())?;
-    eprintln!("next, try:");
-    eprintln!("  depal replay {}", folder.join("run.rrd").display());
-    eprintln!("  depal run --seed 7");
-    eprintln!("  depal run --set gripper.vacuum_kpa=2      # see it fail, and why");
+    tell!("next, try:");
+    tell!("  depal replay {}", folder.join("run.rrd").display());
+    tell!("  depal run --seed 7");
+    tell!("  depal run --set gripper.vacuum_kpa=2      # see it fail, and why");
     Ok(())
 }
 
@@ -45,7 +45,7 @@ fn run_scene(args: &RunArgs) -> Result<PathBuf, Failure> {
         .map_err(|error| Failure::Input(explain(&error)))?;
     built.spec.interface.faults.extend(faults(&args.inject)?);
     for warning in &built.warnings {
-        eprintln!("{}", draw(warning, &built.sources));
+        tell!("{}", draw(warning, &built.sources));
     }
     let time_limit = built.spec.time_limit;
     let setup = recording_setup(&built.spec);
@@ -86,7 +86,7 @@ fn run_scene(args: &RunArgs) -> Result<PathBuf, Failure> {
     );
     folder.write("report.json", &report.to_json())?;
     if args.json {
-        println!("{}", report.to_json());
+        say!("{}", report.to_json());
     } else {
         print_summary(&report, &outcome, folder.path());
     }
@@ -159,11 +159,11 @@ fn accept_limits(scene: &Scene) -> AcceptLimits {
 }
 
 fn print_summary(report: &Report, outcome: &RunOutcome, folder: &Path) {
-    eprint!("{}", summary(report));
+    tell!("{}", summary(report).trim_end());
     if let Some((reason, detail)) = &outcome.score.run_failure {
-        eprintln!("gave up      {}: {detail}", reason.name());
+        tell!("gave up      {}: {detail}", reason.name());
     }
-    eprintln!("results      {}", folder.display());
+    tell!("results      {}", folder.display());
 }
 
 fn verdict(report: &Report, outcome: &RunOutcome) -> Result<(), Failure> {

@@ -47,7 +47,7 @@ impl Sandbox {
         let size = std::fs::metadata(path).map_err(failed)?.len();
         let held: u64 = self.files.values().map(|bytes| bytes.len() as u64).sum();
         if size > LARGEST || held + size > 10 * LARGEST {
-            eprintln!(
+            tell!(
                 "warning: {} is too large for the program's folder, it is left out",
                 path.display()
             );

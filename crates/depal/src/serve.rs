@@ -28,7 +28,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     spec.interface.faults.extend(faults(&args.inject)?);
     if listens.is_empty() {
         let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), spec.port);
-        listens.push(Port::commands(own_port(&spec).encoding, address));
+        listens.push(Port::commands(Kind::of_port(&own_port(&spec)), address));
     }
     let wanted: Vec<Listen> = listens.iter().map(|port| port.listen).collect();
     let ports = open(&wanted).map_err(environment)?;
@@ -120,12 +120,12 @@ fn announce(args: &ServeArgs, kinds: &[Kind], addresses: &[SocketAddr]) -> Resul
         } else {
             "on"
         };
-        eprintln!("{} {does} {address}", kind.name());
+        tell!("{} {does} {address}", kind.name());
     }
     let is_text = |kind: &Kind| matches!(kind, Kind::Commands(encoding) if !encoding.is_hex());
     if let Some((_, address)) = listening().find(|(kind, _)| is_text(kind)) {
         let (host, port) = (address.ip(), address.port());
-        eprintln!("try: nc {host} {port}, then type 901; Ctrl-C ends the server");
+        tell!("try: nc {host} {port}, then type 901; Ctrl-C ends the server");
     }
     if args.json {
         let list: Vec<_> = listening()
@@ -185,21 +185,21 @@ fn answer_again(args: &ServeArgs) -> Result<(), Failure> {
                 "given": difference.given.as_ref().map(describe),
             })
         });
-        println!(
+        say!(
             "{}",
             json!({"replies": replayed.replies, "equal": difference.is_none(), "difference": difference})
         );
     }
     match &replayed.difference {
         None => {
-            eprintln!("{} replies, all as recorded", replayed.replies);
+            tell!("{} replies, all as recorded", replayed.replies);
             Ok(())
         }
         Some(difference) => {
             let said = |reply: &Option<StationReply>| {
                 reply.as_ref().map_or("nothing".to_owned(), describe)
             };
-            eprintln!(
+            tell!(
                 "line {}: after {} equal replies\n  recorded: {}\n  now:      {}",
                 difference.entry + 2,
                 replayed.replies,

@@ -204,3 +204,22 @@ fn faults_on_demand_change_a_run() {
         ],
     );
 }
+
+/// As in `depal run 2>&1 | head -1`: the results are there although nobody listens any more.
+#[test]
+fn who_closes_the_pipe_loses_lines_and_no_results() {
+    let out = folder("closed-pipe");
+    let (reading, writing) = std::io::pipe().expect("a pipe");
+    drop(reading);
+    let status = Command::new(env!("CARGO_BIN_EXE_depal"))
+        .args(["run", "scenes/interface.toml", "--out"])
+        .arg(&out)
+        .current_dir(root())
+        .stdout(writing.try_clone().expect("a second end"))
+        .stderr(writing)
+        .status()
+        .expect("the binary starts");
+    assert_eq!(status.code(), Some(0));
+    let report = fs::read_to_string(out.join("report.json")).expect("the report");
+    assert!(report.contains("\"interface\""));
+}

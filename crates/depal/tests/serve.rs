@@ -497,3 +497,31 @@ fn a_journal_is_answered_the_same_again() {
     let told = String::from_utf8_lossy(&other.stderr).into_owned();
     assert!(told.contains("recorded") && told.contains("1103"), "{told}");
 }
+
+/// What a packed request is answered with: the first two cells.
+fn packed(address: SocketAddr, order: fn([u8; 4]) -> i32, command: [u8; 4]) -> [i32; 2] {
+    let mut stream = client(address);
+    let mut request = [0; 64];
+    request[..4].copy_from_slice(&command);
+    stream.write_all(&request).expect("sent");
+    let mut head = [0; 8];
+    stream.read_exact(&mut head).expect("a reply");
+    let cell = |place: usize| order(head[place..place + 4].try_into().expect("four bytes"));
+    [cell(0), cell(4)]
+}
+
+#[test]
+fn the_encoding_is_found_out_where_that_is_asked_for_and_only_there() {
+    let ports = ["--listen", "auto=127.0.0.1:0", "--listen", "hex-be=:0"];
+    let set = ["--set", "interface.encoding=auto"];
+    let served = Served::start(&[&ports[..], &set[..], FEW].concat());
+    let (auto, fixed) = (served.ports[0], served.ports[1]);
+    assert_eq!(ask(&mut client(auto), "901"), "901,1101");
+    let little = 901i32.to_le_bytes();
+    assert_eq!(packed(auto, i32::from_le_bytes, little), [901, 1101]);
+    let big = 901i32.to_be_bytes();
+    assert_eq!(packed(auto, i32::from_be_bytes, big), [901, 1101]);
+    assert_eq!(packed(fixed, i32::from_be_bytes, big), [901, 1101]);
+    // With a wrong byte order nothing is understood.
+    assert_eq!(packed(fixed, i32::from_be_bytes, little)[1], 3001);
+}

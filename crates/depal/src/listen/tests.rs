@@ -49,7 +49,7 @@ fn mistakes() {
         ("s7=127.0.0.1:0", "expected the controller's port, found 0"),
         (
             "s8=127.0.0.1:102",
-            "expected ascii, hex-le, hex-be, s7 or s7-server, found \"s8\"",
+            "expected ascii, hex-le, hex-be, auto, s7 or s7-server, found \"s8\"",
         ),
         ("s7-server=127.0.0.1:0?db=2", "found \"127.0.0.1:0?db=2\""),
     ];
