@@ -35,6 +35,8 @@
 //! a camera or projector inside a solid does not see that solid; one light, no ambient occlusion.
 
 mod capture;
+mod light;
+mod mesh;
 mod noise;
 mod raster;
 mod render;
@@ -42,10 +44,12 @@ mod sensor;
 mod shape;
 mod spec;
 mod surface;
+mod view;
 
 pub use capture::{Capture, NOTHING, capture};
-pub use render::{Rendering, render};
-pub use sensor::sense;
+pub use mesh::{RenderMesh, TriangleMesh};
+pub use render::{Rendering, render, render_with_meshes};
+pub use sensor::{sense, sense_into};
 pub use shape::{Material, RenderShape};
 pub use spec::{CameraError, CameraSpec, SensorSpec};
 

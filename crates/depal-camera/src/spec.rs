@@ -100,6 +100,12 @@ impl CameraSpec {
         )?;
         check(not_negative(s.quantum), "quantum", "0 m or more", s.quantum)?;
         check(
+            not_negative(s.disparity_step_px),
+            "disparity_step_px",
+            "0 px or more",
+            s.disparity_step_px,
+        )?;
+        check(
             share(s.edge_dropout + s.mixed_pixels),
             "edge_dropout + mixed_pixels",
             "0 to 1",
@@ -162,6 +168,9 @@ pub struct SensorSpec {
     pub scale_error: f64,
     /// Step of the delivered depth, metres. 0 = off.
     pub quantum: f64,
+    /// Step of disparity (fx x baseline / z) of a stereo camera, pixels: its depth steps grow with
+    /// z squared. 0 = off.
+    pub disparity_step_px: f64,
     /// Share of the light in the intensity image that does not come from the projector.
     pub ambient: f64,
     /// Distance at which a white surface facing the projector just reaches grey 255, metres.
@@ -194,6 +203,7 @@ impl SensorSpec {
             bowl: 0.0,
             scale_error: 0.0,
             quantum: 0.0,
+            disparity_step_px: 0.0,
             ambient: 0.15,
             exposure_distance: 1.8,
             blur: false,

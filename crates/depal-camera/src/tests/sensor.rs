@@ -333,7 +333,7 @@ fn dark_tape_is_lost_and_noisier_boards_are_noisier() {
             },
         );
         let mut board = wall(0, 3.0);
-        board.material = Material { albedo };
+        board.material = Material::matt(albedo);
         let shot = shoot(&spec, &[board], 1);
         (shot
             .frame
