@@ -2,7 +2,7 @@
 
 use depal_frames::{Pose, Vector};
 
-use crate::raster::{Cells, EMPTY, Strip, draw};
+use crate::raster::{Tiles, EMPTY, Strip, draw};
 use crate::view::{Face, Grid, View};
 use crate::{CameraSpec, Rendering};
 
@@ -29,13 +29,13 @@ const KEEP_ALL: u32 = (1 << KEEP_BITS) - 1;
 const SIGMA_STEPS: f32 = 1e7;
 
 /// Deviation of the axial noise, metres, from a packed word.
-#[inline]
+#[inline(always)]
 pub(crate) fn sigma_of(packed: u32) -> f32 {
     ((packed >> KEEP_BITS) as i32) as f32 * (1.0 / SIGMA_STEPS)
 }
 
 /// Deviation of the axial noise, cut off at 0.1 m, and chance to be kept (0..=4095).
-#[inline]
+#[inline(always)]
 fn pack(sigma: f32, keep: u32) -> u32 {
     // Pushes the integer into the low bits of the mantissa; the shift drops the others.
     const SHIFT: f32 = 8_388_608.0; // 2^23
@@ -58,7 +58,7 @@ pub(crate) struct LitRows {
 /// Scratch memory of a worker.
 #[derive(Default)]
 pub(crate) struct LightScratch {
-    cells: Cells,
+    tiles: Tiles,
     inverse_depth: Vec<f32>,
     surface: Vec<u32>,
     runs: Vec<ShadowRun>,
@@ -183,6 +183,7 @@ impl<'a> Lighting<'a> {
     }
 
     /// Lights rows `first..end`.
+    #[inline(always)]
     pub fn rows(&self, first: usize, end: usize, scratch: &mut LightScratch, out: &mut LitRows) {
         let r = self.rendering;
         let width = r.intrinsics.width;
@@ -226,6 +227,7 @@ impl<'a> Lighting<'a> {
 
     /// The same rows from the projector: it stands on the camera's X axis, so rows correspond and a
     /// point at (u, z) lies in column u - fx * baseline / z. Returns first column and width.
+    #[inline(always)]
     fn draw_projector(
         &self,
         view: &View,
@@ -264,7 +266,7 @@ impl<'a> Lighting<'a> {
             inverse_depth: &mut scratch.inverse_depth[..pixels],
             surface: &mut scratch.surface[..pixels],
         };
-        draw(view, &mut strip, &mut scratch.cells);
+        draw(view, &mut strip, &mut scratch.tiles);
         (first_column, strip_width)
     }
 
@@ -273,6 +275,7 @@ impl<'a> Lighting<'a> {
         ((v as f64 - i.cy) / i.fy) as f32
     }
 
+    #[inline(always)]
     fn lamp(&self, face: &Face, y: f32) -> (Lamp, f32) {
         let s = &self.spec.sensor;
         let material = self.rendering.material(face.solid);
@@ -299,6 +302,7 @@ impl<'a> Lighting<'a> {
         (lamp, material.gloss as f32)
     }
 
+    #[inline(always)]
     fn light_row(&self, v: usize, depth: &mut [f32], packed: &mut [u32], grey: &mut [f32]) {
         let r = self.rendering;
         let width = r.intrinsics.width;
@@ -371,6 +375,7 @@ impl<'a> Lighting<'a> {
 
     /// True when no pixel of a flat run is seen or lit at more than the angle of cosine `least`.
     /// Distances to a line are greatest at its ends, so the cosines are least there.
+    #[inline(always)]
     fn is_steep(
         &self,
         lamp: &Lamp,
@@ -390,6 +395,7 @@ impl<'a> Lighting<'a> {
     }
 
     /// Writes a pixel that may be over-exposed or seen at a grazing angle.
+    #[inline(always)]
     fn store(
         &self,
         lamp: &Lamp,
@@ -432,6 +438,7 @@ impl<'a> Lighting<'a> {
     }
 
     /// Takes depth and projector light from pixels that the projector does not reach.
+    #[inline(always)]
     fn shade_row(
         &self,
         v: usize,
@@ -498,7 +505,7 @@ impl<'a> Lighting<'a> {
 }
 
 /// How many values at the start of a row are the same.
-#[inline]
+#[inline(always)]
 pub(crate) fn run_length(row: &[u32]) -> usize {
     let first = row[0];
     let (chunks, rest) = row.as_chunks::<16>();
@@ -522,11 +529,13 @@ struct ShadowRow<'a> {
 }
 
 impl ShadowRow<'_> {
+    #[inline(always)]
     fn column(&self, u: usize, disparity: f32) -> usize {
         let column = (u as i32 - self.first_column) as f32 - disparity + 0.5;
         (column.max(0.0) as usize).min(self.surface.len() - 1)
     }
 
+    #[inline(always)]
     fn solid(&self, index: u32) -> u32 {
         match self.view.faces.get(index as usize) {
             Some(face) => face.solid,
@@ -534,6 +543,7 @@ impl ShadowRow<'_> {
         }
     }
 
+    #[inline(always)]
     fn runs(&self, runs: &mut Vec<ShadowRun>) {
         runs.clear();
         let mut end = 0;
@@ -552,6 +562,7 @@ impl ShadowRow<'_> {
 
     /// Whether light reaches the point at column `u` with inverse depth `w` on a solid.
     /// A convex solid does not hide its own lit side, so its own surfaces do not count.
+    #[inline(always)]
     fn reaches(&self, u: usize, disparity: f32, w: f32, solid: u32) -> bool {
         let column = self.column(u, disparity * w);
         let other = self.inverse_depth[column];

@@ -1,7 +1,7 @@
 use depal_frames::{Intrinsics, Pose};
 use rayon::prelude::*;
 
-use crate::raster::{Cells, Strip, draw};
+use crate::raster::{Tiles, Strip, draw};
 use crate::view::{BAND, Grid, View};
 use crate::{CameraSpec, RenderMesh, RenderShape};
 
@@ -88,19 +88,20 @@ impl Rendering {
         }
         let view = &self.view;
         let band = BAND * i.width;
+        let arch = pulp::Arch::new();
         self.inverse_depth
             .par_chunks_mut(band)
             .zip(self.surface.par_chunks_mut(band))
             .enumerate()
-            .for_each_init(Cells::default, |cells, (n, (inverse_depth, surface))| {
-                let mut strip = Strip {
+            .for_each_init(Tiles::default, |tiles, (n, (inverse_depth, surface))| {
+                let strip = Strip {
                     first_row: n * BAND,
                     first_column: 0,
                     width: i.width,
                     inverse_depth,
                     surface,
                 };
-                draw(view, &mut strip, cells);
+                arch.dispatch(DrawJob { view, strip, tiles });
             });
     }
 
@@ -119,5 +120,21 @@ impl Rendering {
             Some(shape) => shape.id,
             None => self.meshes[solid - self.shapes.len()].id,
         }
+    }
+}
+
+/// One strip, compiled once for each instruction set that the processor may have.
+struct DrawJob<'a> {
+    view: &'a View,
+    strip: Strip<'a>,
+    tiles: &'a mut Tiles,
+}
+
+impl pulp::WithSimd for DrawJob<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(mut self, _: S) {
+        draw(self.view, &mut self.strip, self.tiles);
     }
 }

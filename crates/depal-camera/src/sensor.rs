@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use crate::capture::{Capture, NOTHING};
 use crate::light::{KEEP_BITS, LightScratch, Lighting, LitRows, run_length, sigma_of};
 use crate::noise::{
-    Counter, LatticeRows, RowBits, SmoothNoise, nearest_integer, normal, step_thresholds, steps,
+    Counter, LatticeRows, RowBits, SmoothNoise, nearest_integer, add_steps, normal, step_thresholds,
 };
 use crate::raster::EMPTY;
 use crate::{CameraSpec, Rendering};
@@ -66,6 +66,7 @@ pub fn sense_into(
         bowl: Bowl::new(spec),
     };
     let band = ROWS * i.width;
+    let arch = pulp::Arch::new();
     capture
         .frame
         .depth
@@ -79,15 +80,52 @@ pub fn sense_into(
             |scratch, (n, (((depth, intensity), ids), ideal_depth))| {
                 let first = n * ROWS;
                 let end = (first + ROWS).min(i.height);
-                sensor.truth(first, ids, ideal_depth);
-                if spec.sensor.blackout {
-                    depth.fill(0.0);
-                    intensity.fill(0);
-                } else {
-                    sensor.band(first, end, scratch, depth, intensity);
-                }
+                arch.dispatch(BandJob {
+                    sensor: &sensor,
+                    rows: (first, end),
+                    scratch,
+                    depth,
+                    intensity,
+                    ids,
+                    ideal_depth,
+                });
             },
         );
+}
+
+/// Nearest whole number of 0..=255, by pushing the fraction out of the mantissa.
+#[inline(always)]
+fn rounded_byte(x: f32) -> u8 {
+    const SHIFT: f32 = 8_388_608.0; // 2^23
+    (x + SHIFT).to_bits() as u8
+}
+
+/// One band of rows, compiled once for each instruction set that the processor may have.
+struct BandJob<'a> {
+    sensor: &'a Sensor<'a>,
+    rows: (usize, usize),
+    scratch: &'a mut Scratch,
+    depth: &'a mut [f32],
+    intensity: &'a mut [u8],
+    ids: &'a mut [u32],
+    ideal_depth: &'a mut [f32],
+}
+
+impl pulp::WithSimd for BandJob<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let (first, end) = self.rows;
+        self.sensor.truth(first, self.ids, self.ideal_depth);
+        if self.sensor.spec.sensor.blackout {
+            self.depth.fill(0.0);
+            self.intensity.fill(0);
+        } else {
+            self.sensor
+                .band(first, end, self.scratch, self.depth, self.intensity);
+        }
+    }
 }
 
 /// Buffers of one worker.
@@ -104,6 +142,8 @@ struct RowScratch {
     border: Vec<u8>,
     depth: Vec<f32>,
     packed: Vec<u32>,
+    /// Index of the lit pixel that each one looks at.
+    places: Vec<i32>,
     /// Three random words for each pixel.
     words: [Vec<u32>; 3],
 }
@@ -120,6 +160,7 @@ impl Scratch {
                 border: vec![0; width],
                 depth: vec![0.0; width],
                 packed: vec![0; width],
+                places: vec![0; width],
                 words: [vec![0; width], vec![0; width], vec![0; width]],
             },
         }
@@ -171,6 +212,7 @@ struct Sensor<'a> {
 }
 
 impl Sensor<'_> {
+    #[inline(always)]
     fn truth(&self, first: usize, ids: &mut [u32], ideal_depth: &mut [f32]) {
         let range = first * self.rendering.intrinsics.width..;
         let surface = &self.rendering.surface[range.clone()][..ids.len()];
@@ -192,6 +234,7 @@ impl Sensor<'_> {
         }
     }
 
+    #[inline(always)]
     fn band(
         &self,
         first: usize,
@@ -225,6 +268,7 @@ impl Sensor<'_> {
         }
     }
 
+    #[inline(always)]
     fn depth_row(&self, v: usize, lit: &LitRows, scratch: &mut RowScratch, out: &mut [f32]) {
         let s = &self.spec.sensor;
         self.fetch_sources(v, lit, scratch);
@@ -276,6 +320,7 @@ impl Sensor<'_> {
     }
 
     /// Rounds depths to whole steps of disparity, fx * baseline / z.
+    #[inline(always)]
     fn round_disparity(&self, row: &mut [f32]) {
         let i = &self.rendering.intrinsics;
         let steps = i.fx * self.spec.baseline.abs() / self.spec.sensor.disparity_step_px;
@@ -288,6 +333,7 @@ impl Sensor<'_> {
     }
 
     /// Fetches what each pixel of row `v` looks at: itself, or a neighbour by the sideways jitter.
+    #[inline(always)]
     fn fetch_sources(&self, v: usize, lit: &LitRows, scratch: &mut RowScratch) {
         let i = &self.rendering.intrinsics;
         let (width, height) = (i.width, i.height);
@@ -297,16 +343,21 @@ impl Sensor<'_> {
             scratch.packed.copy_from_slice(&lit.packed[at..at + width]);
             return;
         }
-        let first = lit.first_row as i32;
-        let (last_column, last_row) = (width as i32 - 1, height as i32 - 1);
-        // The words are used up here: they turn into the sources' places.
-        for (u, word) in scratch.words[0].iter_mut().enumerate() {
-            let column = (u as i32 + steps(&self.jitter, *word)).clamp(0, last_column);
-            let row = (v as i32 + steps(&self.jitter, *word >> 16)).clamp(0, last_row) - first;
-            *word = (row * width as i32 + column) as u32;
+        // Beside the image there is nothing to look at: such a pixel looks at itself.
+        let reach = self.jitter.len();
+        let places = &mut scratch.places;
+        for (u, place) in places.iter_mut().enumerate() {
+            *place = (at + u) as i32;
         }
-        let places = scratch.words[0].iter();
+        add_steps(&self.jitter, &scratch.words[0], 16, 1, places);
+        for u in (0..reach).chain(width - reach.min(width)..width) {
+            places[u.min(width - 1)] = (at + u.min(width - 1)) as i32;
+        }
+        if v >= reach && v + reach < height {
+            add_steps(&self.jitter, &scratch.words[0], 0, width as i32, places);
+        }
         for ((place, depth), packed) in places
+            .iter()
             .zip(&mut scratch.depth)
             .zip(&mut scratch.packed)
         {
@@ -316,6 +367,7 @@ impl Sensor<'_> {
     }
 
     /// At depth steps some pixels are lost and some land between both surfaces.
+    #[inline(always)]
     fn blur_steps(&self, v: usize, scratch: &mut RowScratch) {
         let s = &self.spec.sensor;
         self.mark_borders(v, &mut scratch.border);
@@ -346,6 +398,7 @@ impl Sensor<'_> {
     }
 
     /// Marks the pixels of row `v` with more than one surface within 3x3.
+    #[inline(always)]
     fn mark_borders(&self, v: usize, border: &mut [u8]) {
         let width = self.rendering.intrinsics.width;
         let row = |v: usize| &self.rendering.surface[v * width..(v + 1) * width];
@@ -369,6 +422,7 @@ impl Sensor<'_> {
     }
 
     /// Nearest and farthest depth within 3x3, and whether there is nothing at one of the pixels.
+    #[inline(always)]
     fn depth_range(&self, u: usize, v: usize) -> (f32, f32, bool) {
         let i = &self.rendering.intrinsics;
         let (mut low, mut high) = (f32::INFINITY, 0.0_f32);
@@ -387,6 +441,7 @@ impl Sensor<'_> {
         (1.0 / high, 1.0 / low, gap)
     }
 
+    #[inline(always)]
     fn intensity_row(&self, v: usize, lit: &LitRows, scratch: &mut RowScratch, out: &mut [u8]) {
         let i = &self.rendering.intrinsics;
         let s = &self.spec.sensor;
@@ -420,8 +475,8 @@ impl Sensor<'_> {
         for ((value, grey), (a, b)) in out.iter_mut().zip(grey.iter()).zip(words) {
             // Independent of either word alone, so of the depth noise and of the dropout.
             let word = a.rotate_left(9) ^ b;
-            let grey = (grey + noise * normal(word) + 0.5).clamp(0.0, 255.0);
-            *value = grey as i32 as u8;
+            let grey = (grey + noise * normal(word)).max(0.0).min(255.0);
+            *value = rounded_byte(grey);
         }
     }
 }
