@@ -13,7 +13,7 @@ use std::sync::Arc;
 use criterion::{Criterion, criterion_group, criterion_main};
 use depal_camera::{
     CameraSpec, Material, RenderMesh, RenderShape, SensorSpec, TriangleMesh, render_with_meshes,
-    sense_into,
+    sense_frame,
 };
 use depal_frames::{Intrinsics, Point, Pose, Rotation, Shape, Vector};
 
@@ -188,13 +188,13 @@ fn frame(c: &mut Criterion) {
                     });
                 });
             });
-            let mut shot = depal_camera::sense(&spec, &rendering, 1);
+            let mut shot = depal_camera::sense(&spec, &rendering, 1).frame;
             least_times(&format!("sensor {width}x{height}, arm of {name}"), || {
-                one_thread.install(|| sense_into(&spec, black_box(&rendering), 1, &mut shot));
+                one_thread.install(|| sense_frame(&spec, black_box(&rendering), 1, &mut shot));
             });
             c.bench_function(&format!("sensor {width}x{height}, arm of {name}"), |b| {
                 b.iter(|| {
-                    one_thread.install(|| sense_into(&spec, black_box(&rendering), 1, &mut shot));
+                    one_thread.install(|| sense_frame(&spec, black_box(&rendering), 1, &mut shot));
                 });
             });
         }

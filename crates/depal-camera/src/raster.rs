@@ -225,6 +225,13 @@ impl Target<'_> {
             across.max(0.0) + down.max(0.0),
         );
         let full = self.full_tile();
+        // Spelt out once: with constant factors the compiler would fold some of the products.
+        let slope = ramp.per_column as f32;
+        let mut steps = [0.0_f32; TILE];
+        for (k, step) in steps.iter_mut().enumerate() {
+            *step = slope * (k as i32 as f32);
+        }
+        let steps = std::hint::black_box(steps);
         for tile in least_from as usize / TILE..=(most_to as usize - 1) / TILE {
             let start = tile * TILE;
             let corner = ramp.corner + ramp.per_column * f64::from(start as i32);
@@ -237,7 +244,7 @@ impl Target<'_> {
             let end = start + TILE;
             if most_from <= start as i32 && end as i32 <= least_to {
                 let blind = least > state.most;
-                self.cover(start, corner, ramp, index, blind);
+                self.cover(start, corner, ramp, &steps, index, blind);
                 let state = &mut self.tiles[tile];
                 state.least = if all { least.max(state.least) } else { least };
                 state.most = state.most.max(most);
@@ -256,7 +263,7 @@ impl Target<'_> {
                 }
                 let to = to as usize;
                 let base = (corner + ramp.per_row * f64::from(r as i32)) as f32;
-                self.part(r, start, (from, to), base, ramp.per_column as f32, index);
+                self.part(r, start, (from, to), base, &steps, index);
                 drawn |= u128::from(((1_u32 << to) - 1) & !((1_u32 << from) - 1)) << (TILE * r);
             }
             let state = &mut self.tiles[tile];
@@ -275,8 +282,15 @@ impl Target<'_> {
 
     /// Draws a plane over a whole tile.
     #[inline(always)]
-    fn cover(&mut self, start: usize, corner: f64, ramp: &Ramp, index: u32, blind: bool) {
-        let slope = ramp.per_column as f32;
+    fn cover(
+        &mut self,
+        start: usize,
+        corner: f64,
+        ramp: &Ramp,
+        steps: &[f32; TILE],
+        index: u32,
+        blind: bool,
+    ) {
         for r in 0..self.rows {
             let base = (corner + ramp.per_row * f64::from(r as i32)) as f32;
             let at = r * self.width + start;
@@ -287,13 +301,11 @@ impl Target<'_> {
                 return;
             };
             if blind {
-                for (k, depth) in depths.iter_mut().enumerate() {
-                    *depth = base + slope * (k as i32 as f32);
-                }
-                surfaces.fill(index);
+                *depths = steps.map(|step| base + step);
+                *surfaces = [index; TILE];
             } else {
                 for k in 0..TILE {
-                    let w = base + slope * (k as i32 as f32);
+                    let w = base + steps[k];
                     let nearer = w > depths[k];
                     depths[k] = if nearer { w } else { depths[k] };
                     surfaces[k] = if nearer { index } else { surfaces[k] };
@@ -310,7 +322,7 @@ impl Target<'_> {
         start: usize,
         (from, to): (usize, usize),
         base: f32,
-        slope: f32,
+        steps: &[f32; TILE],
         index: u32,
     ) {
         let at = row * self.width + start;
@@ -320,7 +332,7 @@ impl Target<'_> {
         ) else {
             // The last tile of the last row may be narrow.
             for k in from..to {
-                let w = base + slope * (k as i32 as f32);
+                let w = base + steps[k];
                 if w > self.inverse_depth[at + k] {
                     self.inverse_depth[at + k] = w;
                     self.surface[at + k] = index;
@@ -331,7 +343,7 @@ impl Target<'_> {
         let (from, to) = (from as i32, to as i32);
         for k in 0..TILE {
             let lane = k as i32;
-            let w = base + slope * (lane as f32);
+            let w = base + steps[k];
             let nearer = (lane >= from) & (lane < to) & (w > depths[k]);
             depths[k] = if nearer { w } else { depths[k] };
             surfaces[k] = if nearer { index } else { surfaces[k] };

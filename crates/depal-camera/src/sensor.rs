@@ -38,14 +38,46 @@ pub fn sense_into(
     noise_seed: u64,
     capture: &mut Capture,
 ) {
+    sense_frame(spec, rendering, noise_seed, &mut capture.frame);
     let i = rendering.intrinsics;
     let pixels = i.width * i.height;
-    capture.frame.intrinsics = i;
-    capture.frame.depth.resize(pixels, 0.0);
-    capture.frame.intensity.resize(pixels, 0);
     capture.ids.resize(pixels, NOTHING);
     capture.ideal_depth.resize(pixels, 0.0);
     if pixels == 0 {
+        return;
+    }
+    let faces = &rendering.view.faces;
+    let id_of_face: Vec<u32> = faces.iter().map(|face| rendering.id(face.solid)).collect();
+    let band = ROWS * i.width;
+    capture
+        .ids
+        .par_chunks_mut(band)
+        .zip(capture.ideal_depth.par_chunks_mut(band))
+        .zip(rendering.surface.par_chunks(band))
+        .zip(rendering.inverse_depth.par_chunks(band))
+        .for_each(|(((ids, ideal_depth), surface), inverse_depth)| {
+            truth(&id_of_face, surface, inverse_depth, ids, ideal_depth);
+        });
+}
+
+/// Only what the camera delivers, without the truth, into the buffers of an earlier frame.
+pub fn sense_frame(
+    spec: &CameraSpec,
+    rendering: &Rendering,
+    noise_seed: u64,
+    frame: &mut DepthFrame,
+) {
+    let i = rendering.intrinsics;
+    let pixels = i.width * i.height;
+    frame.intrinsics = i;
+    frame.depth.resize(pixels, 0.0);
+    frame.intensity.resize(pixels, 0);
+    if pixels == 0 {
+        return;
+    }
+    if spec.sensor.blackout {
+        frame.depth.fill(0.0);
+        frame.intensity.fill(0);
         return;
     }
     let s = &spec.sensor;
@@ -53,44 +85,61 @@ pub fn sense_into(
         spec,
         rendering,
         lighting: Lighting::new(spec, rendering),
-        id_of_face: rendering
-            .view
-            .faces
-            .iter()
-            .map(|face| rendering.id(face.solid))
-            .collect(),
         jitter: step_thresholds(s.lateral_jitter_px),
         pixel_noise: Counter::new(noise_seed, 0),
         step_noise: Counter::new(noise_seed, 2),
-        smooth: SmoothNoise::new(Counter::new(noise_seed, 1), s.correlation_px.max(2), i.width),
+        smooth: SmoothNoise::new(
+            Counter::new(noise_seed, 1),
+            s.correlation_px.max(2),
+            i.width,
+        ),
         bowl: Bowl::new(spec),
     };
     let band = ROWS * i.width;
     let arch = pulp::Arch::new();
-    capture
-        .frame
+    frame
         .depth
         .par_chunks_mut(band)
-        .zip(capture.frame.intensity.par_chunks_mut(band))
-        .zip(capture.ids.par_chunks_mut(band))
-        .zip(capture.ideal_depth.par_chunks_mut(band))
+        .zip(frame.intensity.par_chunks_mut(band))
         .enumerate()
         .for_each_init(
             || Scratch::new(i.width),
-            |scratch, (n, (((depth, intensity), ids), ideal_depth))| {
+            |scratch, (n, (depth, intensity))| {
                 let first = n * ROWS;
-                let end = (first + ROWS).min(i.height);
                 arch.dispatch(BandJob {
                     sensor: &sensor,
-                    rows: (first, end),
+                    rows: (first, (first + ROWS).min(i.height)),
                     scratch,
                     depth,
                     intensity,
-                    ids,
-                    ideal_depth,
                 });
             },
         );
+}
+
+/// Ids and exact depths of a band.
+fn truth(
+    id_of_face: &[u32],
+    surface: &[u32],
+    inverse_depth: &[f32],
+    ids: &mut [u32],
+    ideal_depth: &mut [f32],
+) {
+    let mut at = 0;
+    while at < surface.len() {
+        let index = surface[at];
+        let end = at + run_length(&surface[at..]);
+        let id = match index {
+            EMPTY => NOTHING,
+            _ => id_of_face[index as usize],
+        };
+        ids[at..end].fill(id);
+        at = end;
+    }
+    for (z, w) in ideal_depth.iter_mut().zip(inverse_depth) {
+        let exact = 1.0 / *w;
+        *z = if *w > 0.0 { exact } else { 0.0 };
+    }
 }
 
 /// Nearest whole number of 0..=255, by pushing the fraction out of the mantissa.
@@ -107,8 +156,6 @@ struct BandJob<'a> {
     scratch: &'a mut Scratch,
     depth: &'a mut [f32],
     intensity: &'a mut [u8],
-    ids: &'a mut [u32],
-    ideal_depth: &'a mut [f32],
 }
 
 impl pulp::WithSimd for BandJob<'_> {
@@ -117,14 +164,8 @@ impl pulp::WithSimd for BandJob<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         let (first, end) = self.rows;
-        self.sensor.truth(first, self.ids, self.ideal_depth);
-        if self.sensor.spec.sensor.blackout {
-            self.depth.fill(0.0);
-            self.intensity.fill(0);
-        } else {
-            self.sensor
-                .band(first, end, self.scratch, self.depth, self.intensity);
-        }
+        self.sensor
+            .band(first, end, self.scratch, self.depth, self.intensity);
     }
 }
 
@@ -140,6 +181,7 @@ struct RowScratch {
     smooth: Vec<f32>,
     blend: Vec<f32>,
     border: Vec<u8>,
+    turns: Vec<u8>,
     depth: Vec<f32>,
     packed: Vec<u32>,
     /// Index of the lit pixel that each one looks at.
@@ -158,6 +200,7 @@ impl Scratch {
                 smooth: vec![0.0; width],
                 blend: vec![0.0; width],
                 border: vec![0; width],
+                turns: vec![0; width + 2],
                 depth: vec![0.0; width],
                 packed: vec![0; width],
                 places: vec![0; width],
@@ -203,7 +246,6 @@ struct Sensor<'a> {
     spec: &'a CameraSpec,
     rendering: &'a Rendering,
     lighting: Lighting<'a>,
-    id_of_face: Vec<u32>,
     jitter: Vec<i32>,
     pixel_noise: Counter,
     step_noise: Counter,
@@ -212,28 +254,6 @@ struct Sensor<'a> {
 }
 
 impl Sensor<'_> {
-    #[inline(always)]
-    fn truth(&self, first: usize, ids: &mut [u32], ideal_depth: &mut [f32]) {
-        let range = first * self.rendering.intrinsics.width..;
-        let surface = &self.rendering.surface[range.clone()][..ids.len()];
-        let mut at = 0;
-        while at < surface.len() {
-            let index = surface[at];
-            let end = at + run_length(&surface[at..]);
-            let id = match index {
-                EMPTY => NOTHING,
-                _ => self.id_of_face[index as usize],
-            };
-            ids[at..end].fill(id);
-            at = end;
-        }
-        let inverse_depth = &self.rendering.inverse_depth[range];
-        for (z, w) in ideal_depth.iter_mut().zip(inverse_depth) {
-            let exact = 1.0 / *w;
-            *z = if *w > 0.0 { exact } else { 0.0 };
-        }
-    }
-
     #[inline(always)]
     fn band(
         &self,
@@ -356,13 +376,12 @@ impl Sensor<'_> {
         if v >= reach && v + reach < height {
             add_steps(&self.jitter, &scratch.words[0], 0, width as i32, places);
         }
-        for ((place, depth), packed) in places
-            .iter()
-            .zip(&mut scratch.depth)
-            .zip(&mut scratch.packed)
-        {
-            *depth = lit.depth[*place as usize];
-            *packed = lit.packed[*place as usize];
+        let (depths, packs) = (&lit.depth[..], &lit.packed[..]);
+        for (place, depth) in places.iter().zip(&mut scratch.depth) {
+            *depth = depths[*place as usize];
+        }
+        for (place, packed) in places.iter().zip(&mut scratch.packed) {
+            *packed = packs[*place as usize];
         }
     }
 
@@ -370,7 +389,7 @@ impl Sensor<'_> {
     #[inline(always)]
     fn blur_steps(&self, v: usize, scratch: &mut RowScratch) {
         let s = &self.spec.sensor;
-        self.mark_borders(v, &mut scratch.border);
+        self.mark_borders(v, &mut scratch.turns, &mut scratch.border);
         let dropout = (s.edge_dropout * 4_294_967_296.0) as u64;
         let mixed = (s.mixed_pixels * 4_294_967_296.0) as u64;
         let width = self.rendering.intrinsics.width;
@@ -399,25 +418,23 @@ impl Sensor<'_> {
 
     /// Marks the pixels of row `v` with more than one surface within 3x3.
     #[inline(always)]
-    fn mark_borders(&self, v: usize, border: &mut [u8]) {
+    fn mark_borders(&self, v: usize, turns: &mut [u8], border: &mut [u8]) {
         let width = self.rendering.intrinsics.width;
         let row = |v: usize| &self.rendering.surface[v * width..(v + 1) * width];
         let middle = row(v);
         let above = row(v.saturating_sub(1));
         let below = row((v + 1).min(self.rendering.intrinsics.height - 1));
-        for (((mark, m), a), b) in border.iter_mut().zip(middle).zip(above).zip(below) {
+        // Bit 0: the next pixel is another surface; bit 1: one above or below is. One more at each end.
+        let inner = &mut turns[1..=width];
+        for (((mark, m), a), b) in inner.iter_mut().zip(middle).zip(above).zip(below) {
             *mark = u8::from((a ^ m) | (b ^ m) != 0) * 2;
         }
-        for ((mark, a), b) in border.iter_mut().zip(middle).zip(&middle[1..]) {
+        for ((mark, a), b) in inner.iter_mut().zip(middle).zip(&middle[1..]) {
             *mark |= u8::from(a != b);
         }
-        // Bit 0: the next pixel is another surface; bit 1: one above or below is.
-        let mut before = 0;
-        for u in 0..width {
-            let here = border[u];
-            let after = border.get(u + 1).map_or(0, |m| m & 2);
-            border[u] = here | before | after;
-            before = here;
+        let (before, here, after) = (&turns[..width], &turns[1..=width], &turns[2..]);
+        for (((mark, before), here), after) in border.iter_mut().zip(before).zip(here).zip(after) {
+            *mark = before | here | (after & 2);
         }
     }
 

@@ -31,7 +31,12 @@ impl Material {
     /// White paper label.
     pub const LABEL: Self = Self::matt(0.8);
     /// Black adhesive tape: swallows the pattern.
-    pub const BLACK_TAPE: Self = Self::matt(0.04);
+    pub const BLACK_TAPE: Self = Self {
+        albedo: 0.04,
+        gloss: 0.0,
+        noise_factor: 2.0,
+        dropout: 0.6,
+    };
     /// Clear or brown adhesive tape with a glossy back.
     pub const GLOSSY_TAPE: Self = Self {
         albedo: 0.4,
