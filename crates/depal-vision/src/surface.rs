@@ -195,7 +195,13 @@ impl Surface {
             }
         };
         let (fixed, mut boxes) = outlined(&patch, image, settings, rejected);
-        let Some(arrangement) = arrange(&patch, &settings.sizes, &fixed) else {
+        let Some(arrangement) = arrange(
+            &patch,
+            image,
+            settings.plane_tolerance,
+            &settings.sizes,
+            &fixed,
+        ) else {
             if boxes.is_empty() {
                 rejected.push(self.rejected(RejectReason::NoKnownSize));
             }

@@ -133,15 +133,15 @@ fn check(
     Ok((found, measured))
 }
 
-/// Pose with X along the long side, of its two directions the one towards positive camera X.
+/// Pose with X along the long side, of its two directions the one towards positive camera X; within
+/// five degrees of square to it, the one towards positive camera Y.
 fn pose(fit: &RectangleFit, turned: bool) -> Pose {
     let z = fit.frame.plane.normal();
     let along = if turned { fit.frame.y } else { fit.frame.x };
-    let along = if along.x > 1e-12 || (along.x.abs() <= 1e-12 && along.y > 0.0) {
-        along
-    } else {
-        -along
-    };
+    // Square to the camera's X the sign of X is chance: there Y decides, within five degrees.
+    let square = along.x.abs() < 5f64.to_radians().sin();
+    let forward = if square { along.y > 0.0 } else { along.x > 0.0 };
+    let along = if forward { along } else { -along };
     let x = (along - z * z.dot(&along)).normalize();
     let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
     Pose::from_parts(
