@@ -17,6 +17,10 @@ const MOST_READINGS: usize = 16;
 /// share, and by this many times the mean of a block.
 const WORSE_SHARE: f64 = 0.05;
 const WORSE_BLOCKS: f64 = 20.0;
+/// A carton may be as uneven as this share of the plane tolerance: 0.13 mm by default.
+const UNEVEN: f64 = 1.0 / 30.0;
+/// And as this multiple of the noise says.
+const MOST_NOISE: f64 = 1.5;
 /// A reading must beat every different one by this much edge per box, else it is ambiguous.
 const CLEAR_LEAD: f64 = 0.05;
 /// Fewer cartons than this without a seam between them are doubtful.
@@ -73,7 +77,14 @@ pub fn arrange(
     if search.tries >= MOST_TRIES {
         return None;
     }
-    let limit = search.least?.limit();
+    let least = search.least?;
+    // Even the best reading leaves steps in the middle of cartons: the right one is not among them.
+    let uneven = tolerance * UNEVEN;
+    let most = MOST_NOISE * search.relief.noise() + uneven * uneven;
+    if least.squares > most * least.blocks as f64 {
+        return None;
+    }
+    let limit = least.limit();
     let mut readings: Vec<Vec<Candidate>> = search
         .readings
         .into_iter()

@@ -63,6 +63,25 @@ impl Relief {
         }
     }
 
+    /// Variance of a block's height by noise, square metres, from how much the blocks of a row bend.
+    pub fn noise(&self) -> f64 {
+        // Of a - 2 b + c for white noise: six variances; the median of a square is 0.455 of its mean.
+        const PER_MEDIAN: f64 = 1.0 / (6.0 * 0.455);
+        let mut bends: Vec<f64> = Vec::new();
+        for row in self.heights.chunks(self.columns.max(1)) {
+            for w in row.windows(3) {
+                if let [Some(a), Some(b), Some(c)] = w {
+                    bends.push(f64::from(a - 2.0 * b + c).powi(2));
+                }
+            }
+        }
+        if bends.is_empty() {
+            return 0.0;
+        }
+        let middle = bends.len() / 2;
+        *bends.select_nth_unstable_by(middle, f64::total_cmp).1 * PER_MEDIAN
+    }
+
     /// How badly one plane explains the heights within a candidate: sum of squares over its whole
     /// blocks, square metres, and their number.
     pub fn misfit(&self, candidate: &Candidate) -> (f64, usize) {

@@ -13,7 +13,7 @@ use crate::{
     plane::{PlaneFrame, fit_plane},
     search::{Candidate, extents, search},
     sides::fit_rectangle,
-    verify::{LEAST_SEEN, Proof, verify},
+    verify::{LEAST_SEEN, Proof, TURN_SEEN, verify},
 };
 
 /// How far a patch reaches beyond its surface, metres.
@@ -393,10 +393,22 @@ fn settle(
         |c: &Candidate| extents(&settings.sizes[c.label as usize], c.turned).map(|e| e / 2.0);
     let mut centres = Vec::new();
     let mut held = Vec::new();
+    let mut turns = Vec::new();
     for candidate in &all {
         let start = start_frame(patch, candidate);
         let sides = half(candidate).map(|h| 2.0 * h);
-        let fit = fit_rectangle(image, start, sides, settings.plane_tolerance, LEAST_SEEN);
+        let fit = fit_rectangle(
+            image,
+            start,
+            sides,
+            settings.plane_tolerance,
+            LEAST_SEEN,
+            TURN_SEEN,
+        );
+        if fit.sides.iter().any(|side| side.seen >= TURN_SEEN) {
+            let x = fit.frame.x;
+            turns.push(x.dot(&patch.frame.y).atan2(x.dot(&patch.frame.x)));
+        }
         let offset = fit.frame.origin - patch.frame.origin;
         centres.push([offset.dot(&patch.frame.x), offset.dot(&patch.frame.y)]);
         held.push([0, 1].map(|axis: usize| {
@@ -425,6 +437,11 @@ fn settle(
             }
         }
     }
+    // Boxes that hang together share their direction; outer sides show it best.
+    turns.sort_by(f64::total_cmp);
+    let turned = patch
+        .frame
+        .turned(turns.get(turns.len() / 2).copied().unwrap_or(0.0));
     arranged
         .iter()
         .zip(centres)
@@ -433,7 +450,7 @@ fn settle(
                 *candidate,
                 PlaneFrame {
                     origin: patch.frame.point(x, y),
-                    ..patch.frame
+                    ..turned
                 },
             )
         })

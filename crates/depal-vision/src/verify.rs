@@ -13,6 +13,8 @@ use crate::{
 
 /// Least share of scan lines with an edge for a side to count as seen.
 pub const LEAST_SEEN: f64 = 0.15;
+/// Least share for a side to turn an arranged box.
+pub const TURN_SEEN: f64 = 0.5;
 
 /// What is demanded of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,10 +75,15 @@ fn check(
         return Err(RejectReason::NotFlat);
     }
     let frame = start.on_plane(plane);
-    let fit = fit_rectangle(image, frame, extents, tolerance, LEAST_SEEN);
+    let turn_seen = if proof == Proof::Outline {
+        LEAST_SEEN
+    } else {
+        TURN_SEEN
+    };
+    let fit = fit_rectangle(image, frame, extents, tolerance, LEAST_SEEN, turn_seen);
 
     let proven = fit.sides.iter().filter(|s| s.seen >= LEAST_SEEN).count();
-    let needed = if proof == Proof::Outline { 3 } else { 1 };
+    let needed = if proof == Proof::Outline { 3 } else { 0 };
     if proven < needed {
         return Err(RejectReason::NoKnownSize);
     }
