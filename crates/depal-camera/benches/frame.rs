@@ -18,10 +18,7 @@ use depal_camera::{
 use depal_frames::{Intrinsics, Point, Pose, Rotation, Shape, Vector};
 
 fn placed(at: [f64; 3], turn: [f64; 3]) -> Pose {
-    Pose::from_parts(
-        Vector::from(at).into(),
-        Rotation::new(Vector::from(turn)),
-    )
+    Pose::from_parts(Vector::from(at).into(), Rotation::new(Vector::from(turn)))
 }
 
 fn solid(id: u32, shape: Shape, at: [f64; 3], turn: [f64; 3]) -> RenderShape {
@@ -35,7 +32,8 @@ fn solid(id: u32, shape: Shape, at: [f64; 3], turn: [f64; 3]) -> RenderShape {
 
 /// Floor, pallet and 100 cartons.
 fn stack() -> Vec<RenderShape> {
-    let block = |size: [f64; 3], at| solid(1, Shape::cuboid(size[0], size[1], size[2]), at, [0.0; 3]);
+    let block =
+        |size: [f64; 3], at| solid(1, Shape::cuboid(size[0], size[1], size[2]), at, [0.0; 3]);
     let mut scene = vec![solid(
         0,
         Shape::cuboid(8.0, 8.0, 0.2),
@@ -47,11 +45,18 @@ fn stack() -> Vec<RenderShape> {
         scene.push(block([1.2, 0.1, 0.022], [0.0, y, 0.133]));
     }
     for n in 0..9 {
-        let at = [f64::from(n % 3 - 1) * 0.53, f64::from(n / 3 - 1) * 0.44, 0.072];
+        let at = [
+            f64::from(n % 3 - 1) * 0.53,
+            f64::from(n / 3 - 1) * 0.44,
+            0.072,
+        ];
         scene.push(block([0.14, 0.12, 0.1], at));
     }
     for n in 0..3 {
-        scene.push(block([1.2, 0.1, 0.022], [0.0, f64::from(n - 1) * 0.44, 0.011]));
+        scene.push(block(
+            [1.2, 0.1, 0.022],
+            [0.0, f64::from(n - 1) * 0.44, 0.011],
+        ));
     }
     for n in 0..100_u32 {
         let (column, line, layer) = (n % 4, n / 4 % 5, n / 20);
@@ -61,7 +66,12 @@ fn stack() -> Vec<RenderShape> {
             0.244 + 0.2 * f64::from(layer),
         ];
         let yaw = 0.005 * (f64::from(n) * 1.7).sin();
-        scene.push(solid(10 + n, Shape::cuboid(0.3, 0.2, 0.2), at, [0.0, 0.0, yaw]));
+        scene.push(solid(
+            10 + n,
+            Shape::cuboid(0.3, 0.2, 0.2),
+            at,
+            [0.0, 0.0, yaw],
+        ));
     }
     scene
 }
@@ -79,7 +89,12 @@ fn revolved(rings: &[(f64, f64)], around: usize) -> TriangleMesh {
     let at = |ring: usize, k: usize| (ring * around + k % around) as u32;
     for ring in 1..rings.len() {
         for k in 0..around {
-            let [a, b, c, d] = [at(ring - 1, k), at(ring - 1, k + 1), at(ring, k), at(ring, k + 1)];
+            let [a, b, c, d] = [
+                at(ring - 1, k),
+                at(ring - 1, k + 1),
+                at(ring, k),
+                at(ring, k + 1),
+            ];
             triangles.extend([[a, b, d], [a, d, c]]);
         }
     }
@@ -118,7 +133,13 @@ fn arm() -> (Vec<RenderMesh>, Vec<RenderShape>) {
             });
         }
         for (shape, world_from_shape) in [
-            (Shape::Cylinder { half_length: 0.25, radius: 0.09 }, tubular),
+            (
+                Shape::Cylinder {
+                    half_length: 0.25,
+                    radius: 0.09,
+                },
+                tubular,
+            ),
             (Shape::Sphere { radius: 0.11 }, joint),
         ] {
             shapes.push(RenderShape {
@@ -129,9 +150,17 @@ fn arm() -> (Vec<RenderMesh>, Vec<RenderShape>) {
             });
         }
     }
-    let plate = solid(200, Shape::cuboid(0.4, 0.3, 0.02), [0.1, 0.0, 1.25], [0.0, 0.0, 0.3]);
+    let plate = solid(
+        200,
+        Shape::cuboid(0.4, 0.3, 0.02),
+        [0.1, 0.0, 1.25],
+        [0.0, 0.0, 0.3],
+    );
     let triangles: usize = meshes.iter().map(|m| m.mesh.triangles().len()).sum();
-    assert!((22_000..23_000).contains(&triangles), "{triangles} triangles");
+    assert!(
+        (22_000..23_000).contains(&triangles),
+        "{triangles} triangles"
+    );
     shapes.push(plate);
     (meshes, shapes)
 }
@@ -211,7 +240,10 @@ fn least_times(name: &str, mut work: impl FnMut()) {
         })
         .collect();
     times.sort_by(f64::total_cmp);
-    println!("{name}: least {:.2} ms, middle {:.2} ms", times[0], times[100]);
+    println!(
+        "{name}: least {:.2} ms, middle {:.2} ms",
+        times[0], times[100]
+    );
 }
 
 criterion_group! {

@@ -2,7 +2,7 @@
 
 use depal_frames::{Pose, Vector};
 
-use crate::raster::{Tiles, EMPTY, Strip, draw};
+use crate::raster::{EMPTY, Strip, Tiles, draw};
 use crate::view::{Face, Grid, View};
 use crate::{CameraSpec, Rendering};
 
@@ -342,9 +342,7 @@ impl<'a> Lighting<'a> {
                     let k = -normal.dot(&point) as f32;
                     let c1 = (normal.x * self.spec.baseline) as f32 + k;
                     let lit = lamp.shine(*w, *x, k, c1);
-                    self.store(
-                        &lamp, gloss, &grazing, &lit, *w, *x, (depth, packed, grey),
-                    );
+                    self.store(&lamp, gloss, &grazing, &lit, *w, *x, (depth, packed, grey));
                 }
                 continue;
             }
@@ -365,9 +363,7 @@ impl<'a> Lighting<'a> {
             } else {
                 for (((depth, packed), grey), (w, x)) in pixels {
                     let lit = lamp.shine(*w, *x, k, c1);
-                    self.store(
-                        &lamp, gloss, &grazing, &lit, *w, *x, (depth, packed, grey),
-                    );
+                    self.store(&lamp, gloss, &grazing, &lit, *w, *x, (depth, packed, grey));
                 }
             }
         }

@@ -107,7 +107,13 @@ pub(crate) fn step_thresholds(sigma: f64) -> Vec<i32> {
 
 /// Steps for the low 16 bits of each word, times `stride`, added to `out`.
 #[inline(always)]
-pub(crate) fn add_steps(thresholds: &[i32], words: &[u32], shift: u32, stride: i32, out: &mut [i32]) {
+pub(crate) fn add_steps(
+    thresholds: &[i32],
+    words: &[u32],
+    shift: u32,
+    stride: i32,
+    out: &mut [i32],
+) {
     for threshold in thresholds {
         for (out, word) in out.iter_mut().zip(words) {
             let bits = (word >> shift) as i32;
@@ -199,8 +205,12 @@ impl SmoothNoise {
         }
         let [wa, wb] = self.weights[v % self.spacing];
         rows.between.clear();
-        rows.between
-            .extend(rows.above.iter().zip(&rows.below).map(|(a, b)| wa * a + wb * b));
+        rows.between.extend(
+            rows.above
+                .iter()
+                .zip(&rows.below)
+                .map(|(a, b)| wa * a + wb * b),
+        );
         match self.spacing {
             4 => blend::<4>(&self.weights, &rows.between, out),
             8 => blend::<8>(&self.weights, &rows.between, out),

@@ -1,7 +1,7 @@
 use depal_frames::{Intrinsics, Pose};
 use rayon::prelude::*;
 
-use crate::raster::{Tiles, Strip, draw};
+use crate::raster::{Strip, Tiles, draw};
 use crate::view::{BAND, Grid, View};
 use crate::{CameraSpec, RenderMesh, RenderShape};
 

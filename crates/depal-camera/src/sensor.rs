@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use crate::capture::{Capture, NOTHING};
 use crate::light::{KEEP_BITS, LightScratch, Lighting, LitRows, run_length, sigma_of};
 use crate::noise::{
-    Counter, LatticeRows, RowBits, SmoothNoise, nearest_integer, add_steps, normal, step_thresholds,
+    Counter, LatticeRows, RowBits, SmoothNoise, add_steps, nearest_integer, normal, step_thresholds,
 };
 use crate::raster::EMPTY;
 use crate::{CameraSpec, Rendering};
@@ -273,9 +273,7 @@ impl Sensor<'_> {
             &mut scratch.light,
             &mut scratch.lit,
         );
-        let rows = depth
-            .chunks_mut(i.width)
-            .zip(intensity.chunks_mut(i.width));
+        let rows = depth.chunks_mut(i.width).zip(intensity.chunks_mut(i.width));
         for (v, (depth_row, intensity_row)) in (first..end).zip(rows) {
             let mut bits = RowBits::new(self.pixel_noise, v);
             for words in &mut scratch.row.words {

@@ -69,7 +69,19 @@ fn main() {
         row(Layout::Regular, 1.0, preset, sensor, 2.0);
     }
     for distance in [1.5, 2.5] {
-        row(Layout::Regular, 3.0, "laser-3m", SensorSpec::laser_3m(), distance);
-        row(Layout::Regular, 0.0, "laser-3m", SensorSpec::laser_3m(), distance);
+        row(
+            Layout::Regular,
+            3.0,
+            "laser-3m",
+            SensorSpec::laser_3m(),
+            distance,
+        );
+        row(
+            Layout::Regular,
+            0.0,
+            "laser-3m",
+            SensorSpec::laser_3m(),
+            distance,
+        );
     }
 }

@@ -15,14 +15,18 @@ const MOST_TRIES: usize = 4000;
 const MOST_READINGS: usize = 16;
 /// A reading is out of the question when its cartons are less plane than those of the best one by this
 /// share, and by this many times the mean of a block.
-const WORSE_SHARE: f64 = 0.05;
-const WORSE_BLOCKS: f64 = 20.0;
+const WORSE_SHARE: f64 = 0.01;
+const WORSE_BLOCKS: f64 = 30.0;
 /// A carton may be as uneven as this share of the plane tolerance: 0.13 mm by default.
 const UNEVEN: f64 = 1.0 / 30.0;
 /// And as this multiple of the noise says.
 const MOST_NOISE: f64 = 1.5;
 /// A reading must beat every different one by this much edge per box, else it is ambiguous.
 const CLEAR_LEAD: f64 = 0.05;
+/// The same where heights say nothing: which outer sides a box has is no reason, seams between are.
+const CLEAR_LEAD_WHEN_LEVEL: f64 = 0.3;
+/// One plane must explain a surface worse by this factor than its cartons do, else it is level.
+const UNLEVEL: f64 = 1.3;
 /// Fewer cartons than this without a seam between them are doubtful.
 const LEAST_WITHOUT_SEAM: usize = 3;
 
@@ -39,6 +43,8 @@ pub struct Arrangement {
     pub boxes: Vec<Candidate>,
     /// Other coverings explain the surface equally well; `boxes` is what all of them share.
     pub ambiguous: bool,
+    /// The heights show that this is more than one plane, or no other reading fits the outline.
+    pub unique: bool,
 }
 
 /// Covers what `fixed` leaves uncovered. `None` when the known sizes cannot cover it.
@@ -85,6 +91,16 @@ pub fn arrange(
         return None;
     }
     let limit = least.limit();
+    let best_fitting = &search.readings.first()?.1;
+    let (squares, count) = search.relief.misfit(best_fitting);
+    let mean = least.squares / least.blocks.max(1) as f64;
+    let level = squares < UNLEVEL * mean * count as f64;
+    let lead = if level {
+        CLEAR_LEAD_WHEN_LEVEL
+    } else {
+        CLEAR_LEAD
+    };
+    let unique = !level || search.readings.len() == 1;
     let mut readings: Vec<Vec<Candidate>> = search
         .readings
         .into_iter()
@@ -96,17 +112,20 @@ pub fn arrange(
     let best = readings.first()?.clone();
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
-        .filter(|r| merit(r) > merit(&best) - CLEAR_LEAD && !same(&best, r))
+        .filter(|r| merit(r) > merit(&best) - lead && !same(&best, r))
         .collect();
     if !rivals.is_empty() {
+        // A level sheet can be covered in several ways, of which only some were tried: no proof.
         let shared = best
             .iter()
+            .filter(|_| !level)
             .filter(|b| rivals.iter().all(|r| r.iter().any(|o| alike(b, o))))
             .copied()
             .collect();
         return Some(Arrangement {
             boxes: shared,
             ambiguous: true,
+            unique: false,
         });
     }
     // Cartons joined without any seam seen may as well be one larger carton, unless one of that
@@ -128,11 +147,13 @@ pub fn arrange(
         return Some(Arrangement {
             boxes: kept,
             ambiguous: true,
+            unique: false,
         });
     }
     Some(Arrangement {
         boxes: best,
         ambiguous: false,
+        unique,
     })
 }
 
@@ -275,7 +296,8 @@ impl Cover<'_> {
                 self.least = Some(misfit);
             }
             self.readings.push((misfit, placed.clone()));
-            self.readings.sort_by(|a, b| a.0.squares.total_cmp(&b.0.squares));
+            self.readings
+                .sort_by(|a, b| a.0.squares.total_cmp(&b.0.squares));
             self.readings.truncate(MOST_READINGS);
             return;
         };
@@ -293,7 +315,7 @@ impl Cover<'_> {
                 }
                 self.tries += 1;
                 if let Some(candidate) = self.place(corner, label as u32, turned, cells, placed) {
-                    let (squares, blocks) = self.relief.misfit(&candidate);
+                    let (squares, blocks) = self.relief.misfit(&[candidate]);
                     options.push((Misfit { squares, blocks }, candidate));
                 }
             }

@@ -41,6 +41,8 @@
 //!   surface that two or more known cartons cover exactly may be one larger, unknown carton; such
 //!   a reading is refused unless cartons of that size stand proven beside it, or at least three
 //!   cover it and no gap in sight is wide enough that all gaps should be seen.
+//! - A sheet thinner than the plane tolerance that lies over a part of a layer is not seen; one that just
+//!   one arrangement of a known size covers, over a stack as high as its cartons, is taken for them.
 //! - Cartons of one merged surface share its direction to about 1.5 degrees.
 //! - Where something hides part of a surface without visible gaps, nothing on it is reported.
 //! - Measured sides along the pixel grid are uncertain by one to two pixels, others by less than one.

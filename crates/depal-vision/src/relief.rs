@@ -38,10 +38,8 @@ impl Relief {
                     );
                     let (u, v) = k.project(&p);
                     let (u, v) = (u + 0.5, v + 0.5);
-                    let inside = u >= 0.0
-                        && v >= 0.0
-                        && u < image.width as f64
-                        && v < image.height as f64;
+                    let inside =
+                        u >= 0.0 && v >= 0.0 && u < image.width as f64 && v < image.height as f64;
                     if !inside {
                         continue;
                     }
@@ -82,28 +80,30 @@ impl Relief {
         *bends.select_nth_unstable_by(middle, f64::total_cmp).1 * PER_MEDIAN
     }
 
-    /// How badly one plane explains the heights within a candidate: sum of squares over its whole
-    /// blocks, square metres, and their number.
-    pub fn misfit(&self, candidate: &Candidate) -> (f64, usize) {
-        // A cell of margin, since the candidate may be one off.
-        let range = |k: usize, count: usize| {
+    /// How badly one plane explains the heights within candidates: sum of squares over their whole
+    /// blocks, square metres, and the number of blocks.
+    pub fn misfit(&self, candidates: &[Candidate]) -> (f64, usize) {
+        // A cell of margin, since a candidate may be one off.
+        let range = |candidate: &Candidate, k: usize, count: usize| {
             let first = (candidate.first[k] + 1).div_ceil(BLOCK);
             let end = (candidate.first[k] + candidate.cells[k]).saturating_sub(1) / BLOCK;
             first..end.min(count)
         };
         let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
         let (mut squares, mut count) = (0.0, 0);
-        for j in range(1, self.rows) {
-            for i in range(0, self.columns) {
-                let Some(height) = self.heights[j * self.columns + i] else {
-                    continue;
-                };
-                let at = Vector3::new(1.0, i as f64, j as f64);
-                let height = f64::from(height);
-                normal += at * at.transpose();
-                right += at * height;
-                squares += height * height;
-                count += 1;
+        for candidate in candidates {
+            for j in range(candidate, 1, self.rows) {
+                for i in range(candidate, 0, self.columns) {
+                    let Some(height) = self.heights[j * self.columns + i] else {
+                        continue;
+                    };
+                    let at = Vector3::new(1.0, i as f64, j as f64);
+                    let height = f64::from(height);
+                    normal += at * at.transpose();
+                    right += at * height;
+                    squares += height * height;
+                    count += 1;
+                }
             }
         }
         if count < 6 {

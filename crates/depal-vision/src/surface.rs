@@ -214,6 +214,7 @@ impl Surface {
             rejected.push(self.rejected(RejectReason::NoKnownSize));
             return boxes;
         }
+        let mut arranged = Vec::new();
         for (candidate, start) in settle(image, settings, &patch, &arrangement.boxes, &fixed) {
             match verify(
                 image,
@@ -223,12 +224,27 @@ impl Surface {
                 candidate.turned,
                 Proof::Arrangement,
             ) {
-                Ok(found) => boxes.push(found),
+                Ok(found) => arranged.push(found),
                 Err(reason) => rejected.push(RejectedSurface {
                     reason,
                     centre_in_camera: start.origin,
                     area: self.area,
                 }),
+            }
+        }
+        // A box in the middle has no side of its own to show; those around it must have theirs.
+        let proven = |b: &DetectedBox| b.proven_sides > 0;
+        let around = arranged.iter().chain(&boxes).filter(|b| proven(b)).count();
+        let enclosed = arrangement.unique && 2 * around >= arranged.len() + boxes.len();
+        for found in arranged {
+            if proven(&found) || enclosed {
+                boxes.push(found);
+            } else {
+                rejected.push(RejectedSurface {
+                    reason: RejectReason::Ambiguous,
+                    centre_in_camera: found.camera_from_box.translation.vector.into(),
+                    area: found.size.length * found.size.width,
+                });
             }
         }
         boxes

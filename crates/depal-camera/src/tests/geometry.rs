@@ -345,5 +345,8 @@ fn a_camera_on_the_flange_moves_with_it() {
     let on_stand = Mounting::EyeToHand {
         world_from_camera: flange_from_camera,
     };
-    assert_eq!(on_stand.world_from_camera(&world_from_flange), flange_from_camera);
+    assert_eq!(
+        on_stand.world_from_camera(&world_from_flange),
+        flange_from_camera
+    );
 }

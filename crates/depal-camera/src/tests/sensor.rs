@@ -436,7 +436,12 @@ fn redrawing_into_used_buffers_is_the_same_as_a_fresh_picture() {
 
 /// A board with a strip of another material across its middle, face at 1.5 m.
 fn taped(material: Material) -> Vec<RenderShape> {
-    let mut strip = solid(2, Shape::cuboid(4.0, 0.06, 0.0002), [0.0, 0.0, 1.5], [0.0; 3]);
+    let mut strip = solid(
+        2,
+        Shape::cuboid(4.0, 0.06, 0.0002),
+        [0.0, 0.0, 1.5],
+        [0.0; 3],
+    );
     strip.material = material;
     vec![wall(1, 1.5), strip]
 }
@@ -477,12 +482,19 @@ fn a_glossy_strip_is_over_exposed_only_in_the_mirror_direction() {
         let u = (x / 1.5 * spec.intrinsics.fx + spec.intrinsics.cx) as usize;
         let mut lost = 0;
         for v in 232..248 {
-            lost += (u - 8..u + 8).filter(|u| shot.frame.depth[v * 640 + u] == 0.0).count();
+            lost += (u - 8..u + 8)
+                .filter(|u| shot.frame.depth[v * 640 + u] == 0.0)
+                .count();
         }
         f64::from(lost as u32) / 256.0
     };
     assert_eq!(lost(0.15), 1.0);
-    assert!(lost(-0.4) < 0.3 && lost(0.6) < 0.3, "{} {}", lost(-0.4), lost(0.6));
+    assert!(
+        lost(-0.4) < 0.3 && lost(0.6) < 0.3,
+        "{} {}",
+        lost(-0.4),
+        lost(0.6)
+    );
 }
 
 #[test]
@@ -505,7 +517,10 @@ fn presets_differ_as_their_classes_do() {
         at_2m(SensorSpec::time_of_flight()),
         at_2m(SensorSpec::active_stereo()),
     );
-    assert!(mid < long && long < flight && flight < stereo, "{mid} {long} {flight} {stereo}");
+    assert!(
+        mid < long && long < flight && flight < stereo,
+        "{mid} {long} {flight} {stereo}"
+    );
     assert!((0.15..0.35).contains(&long), "{long}");
 }
 
@@ -522,10 +537,18 @@ fn steps_of_disparity_grow_with_the_square_of_depth() {
         let mut values: Vec<f64> = shot.frame.depth.iter().map(|z| f64::from(*z)).collect();
         values.sort_by(f64::total_cmp);
         values.dedup();
-        values.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min)
+        values
+            .windows(2)
+            .map(|w| w[1] - w[0])
+            .fold(f64::INFINITY, f64::min)
     };
     let expected = |z: f64| z * z * 0.125 / (spec.intrinsics.fx * 0.3);
     for z in [1.0, 3.0] {
-        assert!((steps(z) / expected(z) - 1.0).abs() < 0.05, "{} {}", steps(z), expected(z));
+        assert!(
+            (steps(z) / expected(z) - 1.0).abs() < 0.05,
+            "{} {}",
+            steps(z),
+            expected(z)
+        );
     }
 }

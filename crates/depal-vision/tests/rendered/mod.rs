@@ -110,7 +110,13 @@ pub fn layer(layout: Layout, gap: f64, top: f64, seed: u64) -> Vec<Carton> {
         .collect()
 }
 
-pub fn block(id: u32, centre: [f64; 3], size: [f64; 3], yaw: f64, material: Material) -> RenderShape {
+pub fn block(
+    id: u32,
+    centre: [f64; 3],
+    size: [f64; 3],
+    yaw: f64,
+    material: Material,
+) -> RenderShape {
     RenderShape {
         world_from_shape: Pose::from_parts(
             Vector::from(centre).into(),
@@ -224,7 +230,8 @@ impl Score {
             yaw -= (yaw / PI).round() * PI;
             let normal = pose.rotation * Vector::z();
             self.found += 1;
-            self.xy_mm.push((carton.x - p.x).hypot(carton.y - p.y) * 1e3);
+            self.xy_mm
+                .push((carton.x - p.x).hypot(carton.y - p.y) * 1e3);
             self.z_mm.push((carton.top - p.z).abs() * 1e3);
             self.yaw_deg.push(yaw.abs().to_degrees());
             self.tilt_deg.push(normal.angle(&Vector::z()).to_degrees());
