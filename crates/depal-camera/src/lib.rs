@@ -34,6 +34,14 @@
 //! no multiple reflections, no lens distortion, sharp box edges;
 //! a camera or projector inside a solid does not see that solid; one light, no ambient occlusion.
 
+// The loops over pixels are compiled once for each instruction set: all that they call must be inlined
+// into them, and what they decide must be decided without a jump.
+#![allow(
+    clippy::inline_always,
+    clippy::needless_bitwise_bool,
+    clippy::needless_range_loop
+)]
+
 mod capture;
 mod light;
 mod mesh;

@@ -342,7 +342,15 @@ impl<'a> Lighting<'a> {
                     let k = -normal.dot(&point) as f32;
                     let c1 = (normal.x * self.spec.baseline) as f32 + k;
                     let lit = lamp.shine(*w, *x, k, c1);
-                    self.store(&lamp, gloss, &grazing, &lit, *w, *x, (depth, packed, grey));
+                    self.store(
+                        &lamp,
+                        gloss,
+                        grazing.as_ref(),
+                        &lit,
+                        *w,
+                        *x,
+                        (depth, packed, grey),
+                    );
                 }
                 continue;
             }
@@ -363,7 +371,15 @@ impl<'a> Lighting<'a> {
             } else {
                 for (((depth, packed), grey), (w, x)) in pixels {
                     let lit = lamp.shine(*w, *x, k, c1);
-                    self.store(&lamp, gloss, &grazing, &lit, *w, *x, (depth, packed, grey));
+                    self.store(
+                        &lamp,
+                        gloss,
+                        grazing.as_ref(),
+                        &lit,
+                        *w,
+                        *x,
+                        (depth, packed, grey),
+                    );
                 }
             }
         }
@@ -396,7 +412,7 @@ impl<'a> Lighting<'a> {
         &self,
         lamp: &Lamp,
         gloss: f32,
-        grazing: &Option<Grazing>,
+        grazing: Option<&Grazing>,
         lit: &Lit,
         w: f32,
         x: f32,

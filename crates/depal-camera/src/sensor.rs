@@ -490,7 +490,7 @@ impl Sensor<'_> {
         for ((value, grey), (a, b)) in out.iter_mut().zip(grey.iter()).zip(words) {
             // Independent of either word alone, so of the depth noise and of the dropout.
             let word = a.rotate_left(9) ^ b;
-            let grey = (grey + noise * normal(word)).max(0.0).min(255.0);
+            let grey = (grey + noise * normal(word)).clamp(0.0, 255.0);
             *value = rounded_byte(grey);
         }
     }
