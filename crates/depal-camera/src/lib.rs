@@ -58,8 +58,6 @@ mod view;
 
 pub use capture::{Capture, NOTHING, capture};
 pub use decal::{Decal, capture_with_decals};
-pub use render::{Rendering, render};
-pub use sensor::sense;
 pub use mesh::{RenderMesh, TriangleMesh};
 pub use mounting::Mounting;
 pub use render::{Rendering, render, render_with_meshes};
