@@ -4,11 +4,11 @@
 //! structured-light camera would deliver it comes out, together with the truth for the score.
 //! It must never know what a carton, a pallet or an arm is.
 //!
-//! Every shape is drawn exactly: a plane and the silhouette of a sphere or cylinder have closed
-//! forms along an image row, so nothing is tessellated and nothing is clipped.
+//! Boxes, balls, tubes and plates are drawn exactly: every row of such a surface is a span in closed
+//! form, so nothing is tessellated and nothing is clipped. Meshes are drawn triangle by triangle.
 //! A second pass from the projector finds what the pattern does not reach.
-//! The image is worked on row by row, and every random number is a hash of seed and pixel,
-//! so the result has the same bits for any number of threads.
+//! The image is worked on in bands of rows, and every random number depends on seed and pixel only,
+//! so the result has the same bits for any number of threads and any vector width.
 //!
 //! ```
 //! use depal_camera::{CameraSpec, Material, RenderShape, SensorSpec, capture};
@@ -31,11 +31,22 @@
 //! range; pixel centres are integers. The projector stands at (baseline, 0, 0) of the camera frame.
 //!
 //! Limitations: one ray per pixel, so a gap narrower than a pixel is hit or missed as a whole;
-//! no multiple reflections, no specular lobe, no lens distortion, sharp box edges;
+//! no multiple reflections, no lens distortion, sharp box edges;
 //! a camera or projector inside a solid does not see that solid; one light, no ambient occlusion.
+
+// The loops over pixels are compiled once for each instruction set: all that they call must be inlined
+// into them, and what they decide must be decided without a jump.
+#![allow(
+    clippy::inline_always,
+    clippy::needless_bitwise_bool,
+    clippy::needless_range_loop
+)]
 
 mod capture;
 mod decal;
+mod light;
+mod mesh;
+mod mounting;
 mod noise;
 mod raster;
 mod render;
@@ -43,11 +54,14 @@ mod sensor;
 mod shape;
 mod spec;
 mod surface;
+mod view;
 
 pub use capture::{Capture, NOTHING, capture};
 pub use decal::{Decal, capture_with_decals};
-pub use render::{Rendering, render};
-pub use sensor::sense;
+pub use mesh::{RenderMesh, TriangleMesh};
+pub use mounting::Mounting;
+pub use render::{Rendering, render, render_with_meshes};
+pub use sensor::{sense, sense_frame, sense_into};
 pub use shape::{Material, RenderShape};
 pub use spec::{CameraError, CameraSpec, SensorSpec};
 

@@ -2,103 +2,219 @@ use depal_frames::DepthFrame;
 use rayon::prelude::*;
 
 use crate::capture::{Capture, NOTHING};
+use crate::light::{KEEP_BITS, LightScratch, Lighting, LitRows, run_length, sigma_of};
 use crate::noise::{
-    Counter, SmoothNoise, nearest_integer, normal, normal_table, step_table, steps, uniform,
+    Counter, LatticeRows, RowBits, SmoothNoise, add_steps, nearest_integer, normal, step_thresholds,
 };
 use crate::raster::EMPTY;
 use crate::{CameraSpec, Rendering};
 
-/// Distance for which `SensorSpec::axial_noise` is given, metres.
-const NOISE_DISTANCE: f32 = 3.0;
-/// Albedo times projector cosine at which the axial noise is as given (brown board, head on).
-const NOISE_SIGNAL: f32 = 0.5;
-/// A weak or strong signal changes the axial noise by no more than these factors.
-const SIGNAL_FACTORS: (f32, f32) = (0.5, 3.0);
+/// Rows that are worked on together.
+const ROWS: usize = 32;
 
 /// What the sensor makes of a rendering. `noise_seed` should differ from frame to frame.
 ///
 /// Order of effects: sideways jitter picks the source pixel; range, shadow, grazing, darkness,
-/// depth steps and chance take pixels away; bowl, scale and axial noise move the depth; rounding last.
+/// over-exposure, chance and depth steps take pixels away; bowl, scale and axial noise move the depth;
+/// rounding last.
 pub fn sense(spec: &CameraSpec, rendering: &Rendering, noise_seed: u64) -> Capture {
-    let i = rendering.intrinsics;
     let mut capture = Capture {
-        frame: DepthFrame::blank(i),
-        ids: rendering
-            .surface
-            .iter()
-            .map(|s| {
-                if *s == EMPTY {
-                    NOTHING
-                } else {
-                    rendering.id_of_surface[*s as usize]
-                }
-            })
-            .collect(),
-        ideal_depth: rendering
-            .inverse_depth
-            .iter()
-            .map(|w| if *w > 0.0 { 1.0 / w } else { 0.0 })
-            .collect(),
+        frame: DepthFrame {
+            intrinsics: rendering.intrinsics,
+            depth: Vec::new(),
+            intensity: Vec::new(),
+        },
+        ids: Vec::new(),
+        ideal_depth: Vec::new(),
     };
-    if spec.sensor.blackout || i.width == 0 {
-        return capture;
-    }
-    let spacing = spec.sensor.correlation_px.max(2);
-    let sensor = Sensor {
-        spec,
-        rendering,
-        table: normal_table(),
-        jitter: step_table(normal_table(), spec.sensor.lateral_jitter_px as f32),
-        pixel_noise: Counter::new(noise_seed, 0),
-        smooth: SmoothNoise::new(Counter::new(noise_seed, 1), spacing, i.width),
-        bowl: Bowl::new(spec),
-    };
-    let band = spacing * i.width;
-    capture
-        .frame
-        .depth
-        .par_chunks_mut(band)
-        .zip(capture.frame.intensity.par_chunks_mut(band))
-        .enumerate()
-        .for_each(|(n, (depth, intensity))| {
-            let (above, below) = (
-                sensor.smooth.lattice_row(sensor.table, n),
-                sensor.smooth.lattice_row(sensor.table, n + 1),
-            );
-            let mut scratch = Scratch::new(i.width);
-            let rows = depth.chunks_mut(i.width).zip(intensity.chunks_mut(i.width));
-            for (v, (depth_row, intensity_row)) in (n * spacing..).zip(rows) {
-                sensor
-                    .smooth
-                    .image_row(v, &above, &below, &mut scratch.smooth);
-                sensor.depth_row(v, &mut scratch, depth_row);
-                sensor.intensity_row(v, &mut scratch, intensity_row);
-            }
-        });
+    sense_into(spec, rendering, noise_seed, &mut capture);
     capture
 }
 
-/// Row buffers of one worker.
+/// The same as [`sense`] into the buffers of an earlier capture, whatever it showed.
+pub fn sense_into(
+    spec: &CameraSpec,
+    rendering: &Rendering,
+    noise_seed: u64,
+    capture: &mut Capture,
+) {
+    sense_frame(spec, rendering, noise_seed, &mut capture.frame);
+    let i = rendering.intrinsics;
+    let pixels = i.width * i.height;
+    capture.ids.resize(pixels, NOTHING);
+    capture.ideal_depth.resize(pixels, 0.0);
+    if pixels == 0 {
+        return;
+    }
+    let faces = &rendering.view.faces;
+    let id_of_face: Vec<u32> = faces.iter().map(|face| rendering.id(face.solid)).collect();
+    let band = ROWS * i.width;
+    capture
+        .ids
+        .par_chunks_mut(band)
+        .zip(capture.ideal_depth.par_chunks_mut(band))
+        .zip(rendering.surface.par_chunks(band))
+        .zip(rendering.inverse_depth.par_chunks(band))
+        .for_each(|(((ids, ideal_depth), surface), inverse_depth)| {
+            truth(&id_of_face, surface, inverse_depth, ids, ideal_depth);
+        });
+}
+
+/// Only what the camera delivers, without the truth, into the buffers of an earlier frame.
+pub fn sense_frame(
+    spec: &CameraSpec,
+    rendering: &Rendering,
+    noise_seed: u64,
+    frame: &mut DepthFrame,
+) {
+    let i = rendering.intrinsics;
+    let pixels = i.width * i.height;
+    frame.intrinsics = i;
+    frame.depth.resize(pixels, 0.0);
+    frame.intensity.resize(pixels, 0);
+    if pixels == 0 {
+        return;
+    }
+    if spec.sensor.blackout {
+        frame.depth.fill(0.0);
+        frame.intensity.fill(0);
+        return;
+    }
+    let s = &spec.sensor;
+    let sensor = Sensor {
+        spec,
+        rendering,
+        lighting: Lighting::new(spec, rendering),
+        jitter: step_thresholds(s.lateral_jitter_px),
+        pixel_noise: Counter::new(noise_seed, 0),
+        step_noise: Counter::new(noise_seed, 2),
+        smooth: SmoothNoise::new(
+            Counter::new(noise_seed, 1),
+            s.correlation_px.max(2),
+            i.width,
+        ),
+        bowl: Bowl::new(spec),
+    };
+    let band = ROWS * i.width;
+    let arch = pulp::Arch::new();
+    frame
+        .depth
+        .par_chunks_mut(band)
+        .zip(frame.intensity.par_chunks_mut(band))
+        .enumerate()
+        .for_each_init(
+            || Scratch::new(i.width),
+            |scratch, (n, (depth, intensity))| {
+                let first = n * ROWS;
+                arch.dispatch(BandJob {
+                    sensor: &sensor,
+                    rows: (first, (first + ROWS).min(i.height)),
+                    scratch,
+                    depth,
+                    intensity,
+                });
+            },
+        );
+}
+
+/// Ids and exact depths of a band.
+fn truth(
+    id_of_face: &[u32],
+    surface: &[u32],
+    inverse_depth: &[f32],
+    ids: &mut [u32],
+    ideal_depth: &mut [f32],
+) {
+    let mut at = 0;
+    while at < surface.len() {
+        let index = surface[at];
+        let end = at + run_length(&surface[at..]);
+        let id = match index {
+            EMPTY => NOTHING,
+            _ => id_of_face[index as usize],
+        };
+        ids[at..end].fill(id);
+        at = end;
+    }
+    for (z, w) in ideal_depth.iter_mut().zip(inverse_depth) {
+        let exact = 1.0 / *w;
+        *z = if *w > 0.0 { exact } else { 0.0 };
+    }
+}
+
+/// Nearest whole number of 0..=255, by pushing the fraction out of the mantissa.
+#[inline(always)]
+fn rounded_byte(x: f32) -> u8 {
+    const SHIFT: f32 = 8_388_608.0; // 2^23
+    (x + SHIFT).to_bits() as u8
+}
+
+/// One band of rows, compiled once for each instruction set that the processor may have.
+struct BandJob<'a> {
+    sensor: &'a Sensor<'a>,
+    rows: (usize, usize),
+    scratch: &'a mut Scratch,
+    depth: &'a mut [f32],
+    intensity: &'a mut [u8],
+}
+
+impl pulp::WithSimd for BandJob<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let (first, end) = self.rows;
+        self.sensor
+            .band(first, end, self.scratch, self.depth, self.intensity);
+    }
+}
+
+/// Buffers of one worker.
 struct Scratch {
+    light: LightScratch,
+    lit: LitRows,
+    lattice: LatticeRows,
+    row: RowScratch,
+}
+
+struct RowScratch {
     smooth: Vec<f32>,
     blend: Vec<f32>,
-    border: Vec<bool>,
+    border: Vec<u8>,
+    turns: Vec<u8>,
+    depth: Vec<f32>,
+    packed: Vec<u32>,
+    /// Index of the lit pixel that each one looks at.
+    places: Vec<i32>,
+    /// Three random words for each pixel.
+    words: [Vec<u32>; 3],
 }
 
 impl Scratch {
     fn new(width: usize) -> Self {
         Self {
-            smooth: vec![0.0; width],
-            blend: vec![0.0; width],
-            border: vec![false; width],
+            light: LightScratch::default(),
+            lit: LitRows::default(),
+            lattice: LatticeRows::default(),
+            row: RowScratch {
+                smooth: vec![0.0; width],
+                blend: vec![0.0; width],
+                border: vec![0; width],
+                turns: vec![0; width + 2],
+                depth: vec![0.0; width],
+                packed: vec![0; width],
+                places: vec![0; width],
+                words: [vec![0; width], vec![0; width], vec![0; width]],
+            },
         }
     }
 }
 
 /// Depth error that grows with the square of the distance from the image centre.
 struct Bowl {
+    /// -height/2 in the centre, +height/2 in the corners: share of the column.
+    columns: Vec<f32>,
     height: f32,
-    u: f32,
     v: f32,
     scale: f32,
 }
@@ -107,157 +223,231 @@ impl Bowl {
     fn new(spec: &CameraSpec) -> Self {
         let i = &spec.intrinsics;
         let (u, v) = ((i.width as f32 - 1.0) * 0.5, (i.height as f32 - 1.0) * 0.5);
+        let height = spec.sensor.bowl as f32;
+        let scale = height / (u * u + v * v).max(1.0);
         Self {
-            height: spec.sensor.bowl as f32,
-            u,
+            columns: (0..i.width)
+                .map(|k| (k as f32 - u) * (k as f32 - u) * scale)
+                .collect(),
+            height,
             v,
-            scale: 1.0 / (u * u + v * v).max(1.0),
+            scale,
         }
     }
 
-    /// -height/2 in the centre, +height/2 in the corners.
-    fn at(&self, u: usize, v: usize) -> f32 {
-        let (x, y) = (u as f32 - self.u, v as f32 - self.v);
-        self.height * ((x * x + y * y) * self.scale - 0.5)
+    /// What the row adds to its columns.
+    fn row(&self, v: usize) -> f32 {
+        let y = v as f32 - self.v;
+        y * y * self.scale - 0.5 * self.height
     }
 }
 
 struct Sensor<'a> {
     spec: &'a CameraSpec,
     rendering: &'a Rendering,
-    table: &'a [f32],
-    jitter: Vec<i8>,
+    lighting: Lighting<'a>,
+    jitter: Vec<i32>,
     pixel_noise: Counter,
+    step_noise: Counter,
     smooth: SmoothNoise,
     bowl: Bowl,
 }
 
 impl Sensor<'_> {
-    fn depth_row(&self, v: usize, scratch: &mut Scratch, out: &mut [f32]) {
-        let r = self.rendering;
+    #[inline(always)]
+    fn band(
+        &self,
+        first: usize,
+        end: usize,
+        scratch: &mut Scratch,
+        depth: &mut [f32],
+        intensity: &mut [u8],
+    ) {
+        let i = &self.rendering.intrinsics;
+        // Jitter and lens look at rows beside this band.
+        let reach = self.jitter.len().max(1);
+        let lit_end = (end + reach).min(i.height);
+        self.lighting.rows(
+            first.saturating_sub(reach),
+            lit_end,
+            &mut scratch.light,
+            &mut scratch.lit,
+        );
+        let rows = depth.chunks_mut(i.width).zip(intensity.chunks_mut(i.width));
+        for (v, (depth_row, intensity_row)) in (first..end).zip(rows) {
+            let mut bits = RowBits::new(self.pixel_noise, v);
+            for words in &mut scratch.row.words {
+                bits.fill(words);
+            }
+            self.smooth
+                .image_row(v, &mut scratch.lattice, &mut scratch.row.smooth);
+            self.depth_row(v, &scratch.lit, &mut scratch.row, depth_row);
+            self.intensity_row(v, &scratch.lit, &mut scratch.row, intensity_row);
+        }
+    }
+
+    #[inline(always)]
+    fn depth_row(&self, v: usize, lit: &LitRows, scratch: &mut RowScratch, out: &mut [f32]) {
         let s = &self.spec.sensor;
-        let (width, height) = (r.intrinsics.width, r.intrinsics.height);
+        self.fetch_sources(v, lit, scratch);
+        if s.edge_dropout + s.mixed_pixels > 0.0 {
+            self.blur_steps(v, scratch);
+        }
         let (near, far) = (self.spec.near as f32, self.spec.far as f32);
-        let jitter = s.lateral_jitter_px > 0.0;
-        let steps_per_metre = 1.0 / s.quantum.max(1e-12);
-        let (grazing_start, grazing_end) =
-            (s.grazing_start.cos() as f32, s.grazing_end.cos() as f32);
-        let grazing = s.grazing_end < std::f64::consts::FRAC_PI_2;
-        let grazing_scale = 1.0 / (grazing_start - grazing_end).max(1e-6);
-        let dark_limit = s.dark_limit as f32;
-        let random_dropout = s.random_dropout as f32;
-        let (edge_dropout, mixed_pixels) = (s.edge_dropout as f32, s.mixed_pixels as f32);
-        let edges = edge_dropout + mixed_pixels > 0.0;
-        let base_sigma = s.axial_noise as f32 / (NOISE_DISTANCE * NOISE_DISTANCE);
+        let random_dropout = (s.random_dropout * f64::from(1 << (32 - KEEP_BITS))) as i32;
         let (white, smooth) = (
             (1.0 - s.correlated_share).sqrt() as f32,
             s.correlated_share.sqrt() as f32,
         );
         let scale = 1.0 + s.scale_error as f32;
-        if edges {
-            self.mark_borders(v, &mut scratch.border);
+        let bowl = self.bowl.row(v);
+        let keep_mask = (1_u32 << KEEP_BITS) - 1;
+        let measure = |z: f32, packed: u32, chance: u32, word: u32, soft: f32, bow: f32| {
+            let noise = white * normal(word) + smooth * soft;
+            let measured = z * scale + (bow + bowl) + sigma_of(packed) * noise;
+            let kept = (chance & keep_mask) <= (packed & keep_mask);
+            let lucky = (chance >> KEEP_BITS) as i32 >= random_dropout;
+            (measured, (z > 0.0) & kept & lucky)
+        };
+        let (chances, words) = (&scratch.words[1], &scratch.words[2]);
+        let sources = scratch
+            .depth
+            .iter()
+            .zip(&scratch.packed)
+            .zip(chances.iter().zip(words))
+            .zip(scratch.smooth.iter().zip(&self.bowl.columns));
+        if s.quantum > 0.0 {
+            let steps_per_metre = 1.0 / s.quantum;
+            for (out, (((z, packed), (chance, word)), (soft, bow))) in out.iter_mut().zip(sources) {
+                let (measured, seen) = measure(*z, *packed, *chance, *word, *soft, *bow);
+                let rounded =
+                    (nearest_integer(f64::from(measured) * steps_per_metre) * s.quantum) as f32;
+                let seen = seen & (rounded >= near) & (rounded <= far);
+                *out = if seen { rounded } else { 0.0 };
+            }
+        } else {
+            for (out, (((z, packed), (chance, word)), (soft, bow))) in out.iter_mut().zip(sources) {
+                let (measured, seen) = measure(*z, *packed, *chance, *word, *soft, *bow);
+                let seen = seen & (measured >= near) & (measured <= far);
+                *out = if seen { measured } else { 0.0 };
+            }
         }
-        for (u, depth) in out.iter_mut().enumerate() {
-            let pixel = v * width + u;
-            let first = self.pixel_noise.word(2 * pixel as u64);
-            let second = self.pixel_noise.word(2 * pixel as u64 + 1);
-            let source = if jitter {
-                let shift = |lane, at: usize, count: usize| {
-                    (at as i32 + steps(&self.jitter, first, lane)).clamp(0, count as i32 - 1)
-                        as usize
-                };
-                shift(1, v, height) * width + shift(0, u, width)
-            } else {
-                pixel
-            };
-            let w = r.inverse_depth[source];
-            if w <= 0.0 {
+        if s.disparity_step_px > 0.0 {
+            self.round_disparity(out);
+        }
+    }
+
+    /// Rounds depths to whole steps of disparity, fx * baseline / z.
+    #[inline(always)]
+    fn round_disparity(&self, row: &mut [f32]) {
+        let i = &self.rendering.intrinsics;
+        let steps = i.fx * self.spec.baseline.abs() / self.spec.sensor.disparity_step_px;
+        for z in row {
+            if *z > 0.0 {
+                let disparity = nearest_integer(steps / f64::from(*z));
+                *z = (steps / disparity.max(1.0)) as f32;
+            }
+        }
+    }
+
+    /// Fetches what each pixel of row `v` looks at: itself, or a neighbour by the sideways jitter.
+    #[inline(always)]
+    fn fetch_sources(&self, v: usize, lit: &LitRows, scratch: &mut RowScratch) {
+        let i = &self.rendering.intrinsics;
+        let (width, height) = (i.width, i.height);
+        let at = (v - lit.first_row) * width;
+        if self.jitter.is_empty() {
+            scratch.depth.copy_from_slice(&lit.depth[at..at + width]);
+            scratch.packed.copy_from_slice(&lit.packed[at..at + width]);
+            return;
+        }
+        // Beside the image there is nothing to look at: such a pixel looks at itself.
+        let reach = self.jitter.len();
+        let places = &mut scratch.places;
+        for (u, place) in places.iter_mut().enumerate() {
+            *place = (at + u) as i32;
+        }
+        add_steps(&self.jitter, &scratch.words[0], 16, 1, places);
+        for u in (0..reach).chain(width - reach.min(width)..width) {
+            places[u.min(width - 1)] = (at + u.min(width - 1)) as i32;
+        }
+        if v >= reach && v + reach < height {
+            add_steps(&self.jitter, &scratch.words[0], 0, width as i32, places);
+        }
+        let (depths, packs) = (&lit.depth[..], &lit.packed[..]);
+        for (place, depth) in places.iter().zip(&mut scratch.depth) {
+            *depth = depths[*place as usize];
+        }
+        for (place, packed) in places.iter().zip(&mut scratch.packed) {
+            *packed = packs[*place as usize];
+        }
+    }
+
+    /// At depth steps some pixels are lost and some land between both surfaces.
+    #[inline(always)]
+    fn blur_steps(&self, v: usize, scratch: &mut RowScratch) {
+        let s = &self.spec.sensor;
+        self.mark_borders(v, &mut scratch.turns, &mut scratch.border);
+        let dropout = (s.edge_dropout * 4_294_967_296.0) as u64;
+        let mixed = (s.mixed_pixels * 4_294_967_296.0) as u64;
+        let width = self.rendering.intrinsics.width;
+        for (block, marks) in scratch.border.chunks(16).enumerate() {
+            if marks.iter().all(|m| *m == 0) {
                 continue;
             }
-            let mut z = 1.0 / w;
-            if z < near || z > far {
-                continue;
-            }
-            let (cos_view, cos_light) = (r.cos_view[source], r.cos_light[source]);
-            let signal = r.albedo_of_surface[r.surface[source] as usize] * cos_light;
-            if s.shadow && cos_light <= 0.0 || signal < dark_limit {
-                continue;
-            }
-            if grazing {
-                let least = if s.shadow {
-                    cos_view.min(cos_light)
-                } else {
-                    cos_view
-                };
-                if uniform(first, 2) >= (least - grazing_end) * grazing_scale {
+            for (k, _) in marks.iter().enumerate().filter(|(_, m)| **m != 0) {
+                let u = block * 16 + k;
+                if scratch.depth[u] == 0.0 {
                     continue;
                 }
-            }
-            if uniform(first, 3) < random_dropout {
-                continue;
-            }
-            if edges && scratch.border[u] {
                 let (nearest, farthest, gap) = self.depth_range(u, v);
-                if gap || farthest - nearest > s.step as f32 {
-                    let chance = uniform(second, 2);
-                    if chance < edge_dropout {
-                        continue;
-                    }
-                    if chance < edge_dropout + mixed_pixels {
-                        z = 0.5 * (nearest + farthest);
-                    }
+                if !gap && farthest - nearest <= s.step as f32 {
+                    continue;
                 }
-            }
-            let noise = white * normal(self.table, second, 0) + smooth * scratch.smooth[u];
-            let weak = (NOISE_SIGNAL / signal.max(1e-6))
-                .sqrt()
-                .clamp(SIGNAL_FACTORS.0, SIGNAL_FACTORS.1);
-            let weak = if s.radiometric_noise { weak } else { 1.0 };
-            let sigma = base_sigma * z * z / cos_view.max(0.05) * weak;
-            let measured = z * scale + self.bowl.at(u, v) + sigma * noise;
-            *depth = if s.quantum > 0.0 {
-                (nearest_integer(f64::from(measured) * steps_per_metre) * s.quantum) as f32
-            } else {
-                measured
-            };
-            if *depth < near || *depth > far {
-                *depth = 0.0;
+                let chance = self.step_noise.word((v * width + u) as u64) >> 32;
+                if chance < dropout {
+                    scratch.depth[u] = 0.0;
+                } else if chance < dropout + mixed {
+                    scratch.depth[u] = 0.5 * (nearest + farthest);
+                }
             }
         }
     }
 
     /// Marks the pixels of row `v` with more than one surface within 3x3.
-    fn mark_borders(&self, v: usize, border: &mut [bool]) {
+    #[inline(always)]
+    fn mark_borders(&self, v: usize, turns: &mut [u8], border: &mut [u8]) {
         let width = self.rendering.intrinsics.width;
         let row = |v: usize| &self.rendering.surface[v * width..(v + 1) * width];
         let middle = row(v);
         let above = row(v.saturating_sub(1));
         let below = row((v + 1).min(self.rendering.intrinsics.height - 1));
-        border.fill(false);
-        for u in 0..width {
-            let turns = above[u] != middle[u] || below[u] != middle[u];
-            let changes = u + 1 < width && middle[u] != middle[u + 1];
-            if turns || changes {
-                border[u.saturating_sub(1)] |= turns;
-                border[u] = true;
-                if u + 1 < width {
-                    border[u + 1] = true;
-                }
-            }
+        // Bit 0: the next pixel is another surface; bit 1: one above or below is. One more at each end.
+        let inner = &mut turns[1..=width];
+        for (((mark, m), a), b) in inner.iter_mut().zip(middle).zip(above).zip(below) {
+            *mark = u8::from((a ^ m) | (b ^ m) != 0) * 2;
+        }
+        for ((mark, a), b) in inner.iter_mut().zip(middle).zip(&middle[1..]) {
+            *mark |= u8::from(a != b);
+        }
+        let (before, here, after) = (&turns[..width], &turns[1..=width], &turns[2..]);
+        for (((mark, before), here), after) in border.iter_mut().zip(before).zip(here).zip(after) {
+            *mark = before | here | (after & 2);
         }
     }
 
     /// Nearest and farthest depth within 3x3, and whether there is nothing at one of the pixels.
+    #[inline(always)]
     fn depth_range(&self, u: usize, v: usize) -> (f32, f32, bool) {
         let i = &self.rendering.intrinsics;
         let (mut low, mut high) = (f32::INFINITY, 0.0_f32);
         let mut gap = false;
+        let (left, right) = (u.saturating_sub(1), (u + 1).min(i.width - 1));
         for y in v.saturating_sub(1)..=(v + 1).min(i.height - 1) {
-            for x in u.saturating_sub(1)..=(u + 1).min(i.width - 1) {
-                let w = self.rendering.inverse_depth[y * i.width + x];
-                if w > 0.0 {
-                    low = low.min(w);
-                    high = high.max(w);
+            for w in &self.rendering.inverse_depth[y * i.width + left..=y * i.width + right] {
+                if *w > 0.0 {
+                    low = low.min(*w);
+                    high = high.max(*w);
                 } else {
                     gap = true;
                 }
@@ -266,33 +456,42 @@ impl Sensor<'_> {
         (1.0 / high, 1.0 / low, gap)
     }
 
-    fn intensity_row(&self, v: usize, scratch: &mut Scratch, out: &mut [u8]) {
+    #[inline(always)]
+    fn intensity_row(&self, v: usize, lit: &LitRows, scratch: &mut RowScratch, out: &mut [u8]) {
         let i = &self.rendering.intrinsics;
         let s = &self.spec.sensor;
-        let row = |v: usize| &self.rendering.grey[v * i.width..(v + 1) * i.width];
+        let width = i.width;
+        let row = |v: usize| {
+            let at = (v - lit.first_row) * width;
+            &lit.grey[at..at + width]
+        };
         let middle = row(v);
+        // The blurred row goes where the smooth noise was: depth is done with it.
+        let grey = &mut scratch.smooth;
         if s.blur {
             let above = row(v.saturating_sub(1));
             let below = row((v + 1).min(i.height - 1));
-            for (u, blend) in scratch.blend.iter_mut().enumerate() {
-                *blend = 0.0625 * (above[u] + below[u]) + 0.125 * middle[u];
+            let rows = above.iter().zip(middle).zip(below);
+            for (blend, ((a, m), b)) in scratch.blend.iter_mut().zip(rows) {
+                *blend = 0.0625 * (a + b) + 0.125 * m;
             }
+            let blend = &scratch.blend;
+            for (grey, near) in grey[1..].iter_mut().zip(blend.windows(3)) {
+                *grey = near[0] + 2.0 * near[1] + near[2];
+            }
+            let last = width - 1;
+            grey[0] = 3.0 * blend[0] + blend[1.min(last)];
+            grey[last] = blend[last.saturating_sub(1)] + 3.0 * blend[last];
+        } else {
+            grey.copy_from_slice(middle);
         }
         let noise = s.intensity_noise as f32;
-        let blend = &scratch.blend;
-        for (u, value) in out.iter_mut().enumerate() {
-            let grey = if s.blur {
-                blend[u.saturating_sub(1)] + 2.0 * blend[u] + blend[(u + 1).min(i.width - 1)]
-            } else {
-                middle[u]
-            };
-            let grey = if noise > 0.0 {
-                let word = self.pixel_noise.word(2 * (v * i.width + u) as u64 + 1);
-                grey + noise * normal(self.table, word, 3)
-            } else {
-                grey
-            };
-            *value = (grey + 0.5).clamp(0.0, 255.0) as u8;
+        let words = scratch.words[1].iter().zip(&scratch.words[2]);
+        for ((value, grey), (a, b)) in out.iter_mut().zip(grey.iter()).zip(words) {
+            // Independent of either word alone, so of the depth noise and of the dropout.
+            let word = a.rotate_left(9) ^ b;
+            let grey = (grey + noise * normal(word)).clamp(0.0, 255.0);
+            *value = rounded_byte(grey);
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use depal_frames::{Pose, Shape, Vector};
 
+use crate::TriangleMesh;
+
 /// Nearer than this to the view's own plane no bounds are worked out, metres.
 const BOUNDS_MIN_DEPTH: f64 = 1e-4;
 
@@ -12,28 +14,31 @@ pub(crate) struct TangentBounds {
     pub y: [f64; 2],
 }
 
-/// One surface, outward side only, in the frame of the view (eye at the origin, Z forward).
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Surface {
-    /// Index of the solid that it belongs to.
-    pub shape: u32,
-    pub bounds: TangentBounds,
-    pub kind: SurfaceKind,
+impl TangentBounds {
+    const EVERYWHERE: Self = Self {
+        x: [f64::NEG_INFINITY, f64::INFINITY],
+        y: [f64::NEG_INFINITY, f64::INFINITY],
+    };
 }
 
+/// Convex outline of three or four corners, turned so that a ray `r` meets it when every
+/// `edges[i] . r >= 0`; then 1/z = `normal . r / plane`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum SurfaceKind {
-    /// Convex quadrilateral. A ray `r` meets it when every `edges[i] . r >= 0`;
-    /// then 1/z = `inverse_depth . r`.
-    Quad {
-        normal: Vector,
-        inverse_depth: Vector,
-        edges: [Vector; 4],
-    },
+pub(crate) struct Polygon {
+    pub normal: Vector,
+    /// Distance of the eye from the plane, negative: the polygon faces the eye.
+    pub plane: f64,
+    pub edges: [Vector; 4],
+    pub corners: usize,
+}
+
+/// A curved surface or a disk, outward side only (eye at the origin, Z forward).
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Round {
     /// Round plate.
     Disk {
         normal: Vector,
-        inverse_depth: Vector,
+        plane: f64,
         centre: Vector,
         radius: f64,
     },
@@ -50,11 +55,11 @@ pub(crate) enum SurfaceKind {
     },
 }
 
-impl SurfaceKind {
-    /// Outward unit normal at a point of the surface, as a function of the point.
+impl Round {
+    /// Outward unit normal at a point of the surface.
     pub fn normal_at(&self, point: &Vector) -> Vector {
         match self {
-            Self::Quad { normal, .. } | Self::Disk { normal, .. } => *normal,
+            Self::Disk { normal, .. } => *normal,
             Self::Sphere { centre, radius } => (point - centre) / *radius,
             Self::Mantle {
                 centre,
@@ -67,27 +72,23 @@ impl SurfaceKind {
             }
         }
     }
-
-    /// The normal where it is the same all over the surface.
-    pub fn constant_normal(&self) -> Option<Vector> {
-        match self {
-            Self::Quad { normal, .. } | Self::Disk { normal, .. } => Some(*normal),
-            _ => None,
-        }
-    }
 }
 
-/// Appends the surfaces of a solid that turn towards the eye.
-pub(crate) fn push_surfaces(
-    out: &mut Vec<Surface>,
-    index: u32,
-    view_from_shape: &Pose,
-    shape: &Shape,
-) {
+/// Takes the surfaces of a solid that turn towards the eye.
+pub(crate) trait Collect {
+    fn polygon(&mut self, polygon: &Polygon, bounds: TangentBounds);
+    fn round(&mut self, round: Round, bounds: TangentBounds);
+}
+
+/// Hands over the surfaces of a solid that turn towards the eye.
+pub(crate) fn collect_shape(out: &mut impl Collect, view_from_shape: &Pose, shape: &Shape) {
     let centre = view_from_shape.translation.vector;
+    if centre.z + shape.bounding_radius() <= 0.0 {
+        return;
+    }
     match shape {
-        Shape::Cuboid { half_extents } => push_cuboid(out, index, view_from_shape, half_extents),
-        Shape::Sphere { radius } => push_sphere(out, index, centre, *radius),
+        Shape::Cuboid { half_extents } => collect_cuboid(out, view_from_shape, half_extents),
+        Shape::Sphere { radius } => collect_sphere(out, centre, *radius),
         Shape::Capsule {
             half_length,
             radius,
@@ -98,24 +99,24 @@ pub(crate) fn push_surfaces(
                 return; // the eye is inside, where the balls' inner halves would show
             }
             // The inner half of each ball lies inside the capsule and is hidden by its surface.
-            push_sphere(out, index, centre + axis * *half_length, *radius);
-            push_sphere(out, index, centre - axis * *half_length, *radius);
-            push_mantle(out, index, centre, axis, *half_length, *radius);
+            collect_sphere(out, centre + axis * *half_length, *radius);
+            collect_sphere(out, centre - axis * *half_length, *radius);
+            collect_mantle(out, centre, axis, *half_length, *radius);
         }
         Shape::Cylinder {
             half_length,
             radius,
         } => {
             let axis = view_from_shape.rotation * Vector::z();
-            push_mantle(out, index, centre, axis, *half_length, *radius);
+            collect_mantle(out, centre, axis, *half_length, *radius);
             for normal in [axis, -axis] {
-                push_disk(out, index, centre + normal * *half_length, normal, *radius);
+                collect_disk(out, centre + normal * *half_length, normal, *radius);
             }
         }
     }
 }
 
-fn push_cuboid(out: &mut Vec<Surface>, index: u32, view_from_shape: &Pose, half: &Vector) {
+fn collect_cuboid(out: &mut impl Collect, view_from_shape: &Pose, half: &Vector) {
     let rotation = view_from_shape.rotation.to_rotation_matrix();
     let centre = view_from_shape.translation.vector;
     // Corner k has the signs of its bits: x = 1, y = 2, z = 4.
@@ -144,36 +145,62 @@ fn push_cuboid(out: &mut Vec<Surface>, index: u32, view_from_shape: &Pose, half:
             let Some(bounds) = bounds_of(&quad) else {
                 continue;
             };
-            out.push(Surface {
-                shape: index,
-                bounds,
-                kind: SurfaceKind::Quad {
-                    normal,
-                    inverse_depth: normal / plane,
-                    edges,
-                },
-            });
+            let polygon = Polygon {
+                normal,
+                plane,
+                edges,
+                corners: 4,
+            };
+            out.polygon(&polygon, bounds);
         }
     }
 }
 
-fn push_sphere(out: &mut Vec<Surface>, index: u32, centre: Vector, radius: f64) {
+/// Hands over the triangles that turn towards the eye.
+pub(crate) fn collect_mesh(out: &mut impl Collect, view_from_mesh: &Pose, mesh: &TriangleMesh) {
+    if view_from_mesh.translation.z + mesh.bounding_radius() <= 0.0 {
+        return;
+    }
+    let rotation = view_from_mesh.rotation.to_rotation_matrix();
+    let shift = view_from_mesh.translation.vector;
+    let corners: Vec<Vector> = mesh
+        .vertices()
+        .iter()
+        .map(|p| rotation * p.coords + shift)
+        .collect();
+    for triangle in mesh.triangles() {
+        let [a, b, c] = triangle.map(|k| corners[k as usize]);
+        let normal = (b - a).cross(&(c - a));
+        let plane = normal.dot(&a);
+        if plane >= 0.0 {
+            continue;
+        }
+        let Some(bounds) = bounds_of(&[a, b, c]) else {
+            continue;
+        };
+        let scale = 1.0 / normal.norm();
+        // Listed counter-clockwise from outside, inwards edges run the other way round.
+        let polygon = Polygon {
+            normal: normal * scale,
+            plane: plane * scale,
+            edges: [a.cross(&c), c.cross(&b), b.cross(&a), Vector::zeros()],
+            corners: 3,
+        };
+        out.polygon(&polygon, bounds);
+    }
+}
+
+fn collect_sphere(out: &mut impl Collect, centre: Vector, radius: f64) {
     if centre.norm_squared() <= radius * radius {
         return; // the eye is inside
     }
-    let Some(bounds) = bounds_of(&cube(&centre, radius)) else {
-        return;
-    };
-    out.push(Surface {
-        shape: index,
-        bounds,
-        kind: SurfaceKind::Sphere { centre, radius },
-    });
+    if let Some(bounds) = bounds_of(&cube(&centre, radius)) {
+        out.round(Round::Sphere { centre, radius }, bounds);
+    }
 }
 
-fn push_mantle(
-    out: &mut Vec<Surface>,
-    index: u32,
+fn collect_mantle(
+    out: &mut impl Collect,
     centre: Vector,
     axis: Vector,
     half_length: f64,
@@ -188,39 +215,31 @@ fn push_mantle(
         cube(&(centre - axis * half_length), radius),
     ]
     .concat();
-    let Some(bounds) = bounds_of(&ends) else {
-        return;
-    };
-    out.push(Surface {
-        shape: index,
-        bounds,
-        kind: SurfaceKind::Mantle {
+    if let Some(bounds) = bounds_of(&ends) {
+        let mantle = Round::Mantle {
             centre,
             axis,
             half_length,
             radius,
-        },
-    });
+        };
+        out.round(mantle, bounds);
+    }
 }
 
-fn push_disk(out: &mut Vec<Surface>, index: u32, centre: Vector, normal: Vector, radius: f64) {
+fn collect_disk(out: &mut impl Collect, centre: Vector, normal: Vector, radius: f64) {
     let plane = normal.dot(&centre);
     if plane >= 0.0 {
         return;
     }
-    let Some(bounds) = bounds_of(&cube(&centre, radius)) else {
-        return;
-    };
-    out.push(Surface {
-        shape: index,
-        bounds,
-        kind: SurfaceKind::Disk {
+    if let Some(bounds) = bounds_of(&cube(&centre, radius)) {
+        let disk = Round::Disk {
             normal,
-            inverse_depth: normal / plane,
+            plane,
             centre,
             radius,
-        },
-    });
+        };
+        out.round(disk, bounds);
+    }
 }
 
 fn cube(centre: &Vector, radius: f64) -> [Vector; 8] {
@@ -237,16 +256,16 @@ fn bounds_of(points: &[Vector]) -> Option<TangentBounds> {
     if farthest <= 0.0 || farthest.is_nan() {
         return None;
     }
-    let all = [f64::NEG_INFINITY, f64::INFINITY];
     if nearest < BOUNDS_MIN_DEPTH {
-        return Some(TangentBounds { x: all, y: all });
+        return Some(TangentBounds::EVERYWHERE);
     }
     let mut bounds = TangentBounds {
         x: [f64::INFINITY, f64::NEG_INFINITY],
         y: [f64::INFINITY, f64::NEG_INFINITY],
     };
     for p in points {
-        let (x, y) = (p.x / p.z, p.y / p.z);
+        let inverse = 1.0 / p.z;
+        let (x, y) = (p.x * inverse, p.y * inverse);
         bounds.x = [bounds.x[0].min(x), bounds.x[1].max(x)];
         bounds.y = [bounds.y[0].min(y), bounds.y[1].max(y)];
     }

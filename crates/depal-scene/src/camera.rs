@@ -14,6 +14,14 @@ choice! {
     pub enum SensorPreset {
         /// Structured laser light seen past a baseline: shadow, axial noise, edge dropout, 0.1 mm steps.
         Laser = "laser",
+        /// Structured laser light for the middle range: 0.1 mm at 2 m; noise_mm does not apply.
+        Laser2m = "laser-2m",
+        /// Structured laser light for the long range: 0.5 mm at 3 m; noise_mm does not apply.
+        Laser3m = "laser-3m",
+        /// A small stereo camera with its own pattern: 10 mm at 2 m, smeared edges; noise_mm does not apply.
+        ActiveStereo = "active-stereo",
+        /// Time of flight: no shadow, 3 mm at 3 m, flying pixels at edges; noise_mm does not apply.
+        TimeOfFlight = "time-of-flight",
         /// The exact distance at every pixel.
         Ideal = "ideal",
     }

@@ -3,18 +3,30 @@
 use depal_frames::BoxSize;
 
 use crate::{
+    gate::DepthImage,
     patch::Patch,
+    relief::{BLOCK, Relief},
     search::{Candidate, climb, extents, has_seam, measure},
 };
 
-/// Side of the blocks in which "still uncovered" is counted, cells.
-const BLOCK: usize = 8;
 /// Placements tried before giving up: far more than any sensible layer needs.
 const MOST_TRIES: usize = 4000;
 /// Readings compared before deciding.
 const MOST_READINGS: usize = 16;
+/// A reading is out of the question when its cartons are less plane than those of the best one by this
+/// share, and by this many times the mean of a block.
+const WORSE_SHARE: f64 = 0.01;
+const WORSE_BLOCKS: f64 = 30.0;
+/// A carton may be as uneven as this share of the plane tolerance: 0.13 mm by default.
+const UNEVEN: f64 = 1.0 / 30.0;
+/// And as this multiple of the noise says.
+const MOST_NOISE: f64 = 1.5;
 /// A reading must beat every different one by this much edge per box, else it is ambiguous.
 const CLEAR_LEAD: f64 = 0.05;
+/// The same where heights say nothing: which outer sides a box has is no reason, seams between are.
+const CLEAR_LEAD_WHEN_LEVEL: f64 = 0.3;
+/// One plane must explain a surface worse by this factor than its cartons do, else it is level.
+const UNLEVEL: f64 = 1.3;
 /// Fewer cartons than this without a seam between them are doubtful.
 const LEAST_WITHOUT_SEAM: usize = 3;
 
@@ -31,10 +43,18 @@ pub struct Arrangement {
     pub boxes: Vec<Candidate>,
     /// Other coverings explain the surface equally well; `boxes` is what all of them share.
     pub ambiguous: bool,
+    /// The heights show that this is more than one plane, or no other reading fits the outline.
+    pub unique: bool,
 }
 
 /// Covers what `fixed` leaves uncovered. `None` when the known sizes cannot cover it.
-pub fn arrange(patch: &Patch, sizes: &[BoxSize], fixed: &[Candidate]) -> Option<Arrangement> {
+pub fn arrange(
+    patch: &Patch,
+    image: &DepthImage,
+    tolerance: f64,
+    sizes: &[BoxSize],
+    fixed: &[Candidate],
+) -> Option<Arrangement> {
     let (bx, by) = (patch.columns / BLOCK, patch.rows / BLOCK);
     let mut blocks = Vec::new();
     for j in 0..by {
@@ -53,35 +73,59 @@ pub fn arrange(patch: &Patch, sizes: &[BoxSize], fixed: &[Candidate]) -> Option<
         patch,
         sizes,
         blocks,
+        relief: Relief::new(patch, image, tolerance),
         tries: 0,
+        least: None,
         readings: Vec::new(),
     };
     let mut placed = fixed.to_vec();
-    search.descend(&mut placed, 0);
+    search.descend(&mut placed, 0, Misfit::default());
     if search.tries >= MOST_TRIES {
         return None;
     }
+    let least = search.least?;
+    // Even the best reading leaves steps in the middle of cartons: the right one is not among them.
+    let uneven = tolerance * UNEVEN;
+    let most = MOST_NOISE * search.relief.noise() + uneven * uneven;
+    if least.squares > most * least.blocks as f64 {
+        return None;
+    }
+    let limit = least.limit();
+    let best_fitting = &search.readings.first()?.1;
+    let (squares, count) = search.relief.misfit(best_fitting);
+    let mean = least.squares / least.blocks.max(1) as f64;
+    let level = squares < UNLEVEL * mean * count as f64;
+    let lead = if level {
+        CLEAR_LEAD_WHEN_LEVEL
+    } else {
+        CLEAR_LEAD
+    };
+    let unique = !level || search.readings.len() == 1;
     let mut readings: Vec<Vec<Candidate>> = search
         .readings
         .into_iter()
-        .map(|r| r[fixed.len()..].to_vec())
+        .filter(|(misfit, _)| misfit.squares <= limit)
+        .map(|(_, r)| r[fixed.len()..].to_vec())
         .filter(|r| !r.is_empty())
         .collect();
     readings.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
     let best = readings.first()?.clone();
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
-        .filter(|r| merit(r) > merit(&best) - CLEAR_LEAD && !same(&best, r))
+        .filter(|r| merit(r) > merit(&best) - lead && !same(&best, r))
         .collect();
     if !rivals.is_empty() {
+        // A level sheet can be covered in several ways, of which only some were tried: no proof.
         let shared = best
             .iter()
+            .filter(|_| !level)
             .filter(|b| rivals.iter().all(|r| r.iter().any(|o| alike(b, o))))
             .copied()
             .collect();
         return Some(Arrangement {
             boxes: shared,
             ambiguous: true,
+            unique: false,
         });
     }
     // Cartons joined without any seam seen may as well be one larger carton, unless one of that
@@ -103,11 +147,13 @@ pub fn arrange(patch: &Patch, sizes: &[BoxSize], fixed: &[Candidate]) -> Option<
         return Some(Arrangement {
             boxes: kept,
             ambiguous: true,
+            unique: false,
         });
     }
     Some(Arrangement {
         boxes: best,
         ambiguous: false,
+        unique,
     })
 }
 
@@ -205,19 +251,37 @@ pub fn touches(b: &Candidate, other: &Candidate, side: usize, pitch: f64) -> boo
         && high.saturating_sub(low) * 3 >= b.cells[across].min(other.cells[across])
 }
 
+/// How little plane the cartons of a reading are.
+#[derive(Debug, Clone, Copy, Default)]
+struct Misfit {
+    squares: f64,
+    blocks: usize,
+}
+
+impl Misfit {
+    /// Beyond this another reading is out of the question.
+    fn limit(&self) -> f64 {
+        let mean = self.squares / self.blocks.max(1) as f64;
+        self.squares * (1.0 + WORSE_SHARE) + WORSE_BLOCKS * mean
+    }
+}
+
 struct Cover<'a> {
     patch: &'a Patch,
     sizes: &'a [BoxSize],
     blocks: Vec<[usize; 2]>,
+    relief: Relief,
     tries: usize,
-    readings: Vec<Vec<Candidate>>,
+    /// The best complete reading so far.
+    least: Option<Misfit>,
+    readings: Vec<(Misfit, Vec<Candidate>)>,
 }
 
 impl Cover<'_> {
     /// `from`: all blocks before it are covered. The first uncovered block (lowest row, then
-    /// column) holds the low corner of some box.
-    fn descend(&mut self, placed: &mut Vec<Candidate>, from: usize) {
-        if self.tries >= MOST_TRIES || self.readings.len() >= MOST_READINGS {
+    /// column) holds the low corner of some box. The most plane box is tried first.
+    fn descend(&mut self, placed: &mut Vec<Candidate>, from: usize, misfit: Misfit) {
+        if self.tries >= MOST_TRIES || self.least.is_some_and(|l| misfit.squares > l.limit()) {
             return;
         }
         let covered = |block: &[usize; 2], placed: &[Candidate]| {
@@ -228,10 +292,17 @@ impl Cover<'_> {
         };
         let Some(next) = (from..self.blocks.len()).find(|&b| !covered(&self.blocks[b], placed))
         else {
-            self.readings.push(placed.clone());
+            if self.least.is_none_or(|l| misfit.squares < l.squares) {
+                self.least = Some(misfit);
+            }
+            self.readings.push((misfit, placed.clone()));
+            self.readings
+                .sort_by(|a, b| a.0.squares.total_cmp(&b.0.squares));
+            self.readings.truncate(MOST_READINGS);
             return;
         };
         let corner = self.corner(self.blocks[next], placed);
+        let mut options: Vec<(Misfit, Candidate)> = Vec::new();
         for label in 0..self.sizes.len() {
             for turned in [false, true] {
                 let size = &self.sizes[label];
@@ -244,11 +315,21 @@ impl Cover<'_> {
                 }
                 self.tries += 1;
                 if let Some(candidate) = self.place(corner, label as u32, turned, cells, placed) {
-                    placed.push(candidate);
-                    self.descend(placed, next);
-                    placed.pop();
+                    let (squares, blocks) = self.relief.misfit(&[candidate]);
+                    options.push((Misfit { squares, blocks }, candidate));
                 }
             }
+        }
+        let mean = |m: &Misfit| m.squares / m.blocks.max(1) as f64;
+        options.sort_by(|a, b| mean(&a.0).total_cmp(&mean(&b.0)));
+        for (more, candidate) in options {
+            placed.push(candidate);
+            let together = Misfit {
+                squares: misfit.squares + more.squares,
+                blocks: misfit.blocks + more.blocks,
+            };
+            self.descend(placed, next, together);
+            placed.pop();
         }
     }
 

@@ -4,7 +4,8 @@ use depal_frames::{BoxSize, Point, Pose};
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetectedBox {
     /// Centre of the top face: Z out of the face towards the camera, X along the long side
-    /// (of its two directions the one with positive X in the camera frame, or positive Y if X is 0).
+    /// (of its two directions the one with positive X in the camera frame; where it is within five
+    /// degrees of square to the camera's X, the one with positive Y: noise must not turn a carton round).
     pub camera_from_box: Pose,
     /// The known size that fits, metres; from [`detect_any_size`](crate::detect_any_size) the
     /// measured sides, with height 0 for unknown.

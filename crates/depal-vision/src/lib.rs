@@ -25,7 +25,8 @@
 //! 3. `components`: connected pieces. `plane`: a plane is affine in inverse depth.
 //! 4. `orientation`, `patch`: each piece resampled in its own axes, with running sums.
 //! 5. `search`: rectangles of the known sizes whose sides show edges.
-//! 6. `arrange`: surfaces without visible gaps are covered exactly by the known sizes.
+//! 6. `arrange`: surfaces without visible gaps are covered exactly by the known sizes; `relief`: of
+//!    several such readings the one whose every carton is one plane.
 //!    `measure`: tops of unknown size, where all four sides fall away.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
 //! 8. `verify`: size, wholeness, cover, tilt. `obstacles`: what nothing reported explains.
@@ -37,10 +38,13 @@
 //!
 //! # Limitations
 //!
-//! - The intensity image is not used yet: gaps of 0 mm are resolved by the known sizes alone. A
+//! - The intensity image is not used: gaps of 0 mm are resolved by the known sizes and by the
+//!   differences in height and tilt of a few tenths of a millimetre that cartons have. A
 //!   surface that two or more known cartons cover exactly may be one larger, unknown carton; such
 //!   a reading is refused unless cartons of that size stand proven beside it, or at least three
 //!   cover it and no gap in sight is wide enough that all gaps should be seen.
+//! - A sheet thinner than the plane tolerance that lies over a part of a layer is not seen; one that just
+//!   one arrangement of a known size covers, over a stack as high as its cartons, is taken for them.
 //! - Cartons of one merged surface share its direction to about 1.5 degrees.
 //! - Where something hides part of a surface without visible gaps, nothing on it is reported.
 //! - Measured sides along the pixel grid are uncertain by one to two pixels, others by less than one.
@@ -58,6 +62,7 @@ mod obstacles;
 mod orientation;
 mod patch;
 mod plane;
+mod relief;
 mod search;
 mod settings;
 mod sides;

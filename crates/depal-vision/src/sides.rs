@@ -43,13 +43,15 @@ const OUTWARD: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
 pub const INSET_PIXELS: f64 = 0.4;
 
 /// Fits centre and turn of a rectangle with known `extents`. Only sides seen on at least
-/// `least_seen` of their length take part; with none along an axis the middle stays there.
+/// `least_seen` of their length take part; with none along an axis the middle stays there. Only those
+/// seen on at least `turn_seen` turn it: a few stray crossings along an invisible seam would too.
 pub fn fit_rectangle(
     image: &DepthImage,
     start: PlaneFrame,
     extents: [f64; 2],
     tolerance: f64,
     least_seen: f64,
+    turn_seen: f64,
 ) -> RectangleFit {
     let pitch = pixel_pitch(&start, &image.intrinsics);
     let inset = INSET_PIXELS * pitch;
@@ -69,7 +71,7 @@ pub fn fit_rectangle(
                 tolerance,
             )
         });
-        let (turn, fitted) = fit_lines(&lines, pitch, least_seen);
+        let (turn, fitted) = fit_lines(&lines, pitch, turn_seen);
         sides = fitted;
         frame = frame.turned(turn);
         for axis in 0..2 {

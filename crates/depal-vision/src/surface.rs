@@ -13,7 +13,7 @@ use crate::{
     plane::{PlaneFrame, fit_plane},
     search::{Candidate, extents, search},
     sides::fit_rectangle,
-    verify::{LEAST_SEEN, Proof, verify},
+    verify::{LEAST_SEEN, Proof, TURN_SEEN, verify},
 };
 
 /// How far a patch reaches beyond its surface, metres.
@@ -195,7 +195,13 @@ impl Surface {
             }
         };
         let (fixed, mut boxes) = outlined(&patch, image, settings, rejected);
-        let Some(arrangement) = arrange(&patch, &settings.sizes, &fixed) else {
+        let Some(arrangement) = arrange(
+            &patch,
+            image,
+            settings.plane_tolerance,
+            &settings.sizes,
+            &fixed,
+        ) else {
             if boxes.is_empty() {
                 rejected.push(self.rejected(RejectReason::NoKnownSize));
             }
@@ -208,6 +214,7 @@ impl Surface {
             rejected.push(self.rejected(RejectReason::NoKnownSize));
             return boxes;
         }
+        let mut arranged = Vec::new();
         for (candidate, start) in settle(image, settings, &patch, &arrangement.boxes, &fixed) {
             match verify(
                 image,
@@ -217,12 +224,27 @@ impl Surface {
                 candidate.turned,
                 Proof::Arrangement,
             ) {
-                Ok(found) => boxes.push(found),
+                Ok(found) => arranged.push(found),
                 Err(reason) => rejected.push(RejectedSurface {
                     reason,
                     centre_in_camera: start.origin,
                     area: self.area,
                 }),
+            }
+        }
+        // A box in the middle has no side of its own to show; those around it must have theirs.
+        let proven = |b: &DetectedBox| b.proven_sides > 0;
+        let around = arranged.iter().chain(&boxes).filter(|b| proven(b)).count();
+        let enclosed = arrangement.unique && 2 * around >= arranged.len() + boxes.len();
+        for found in arranged {
+            if proven(&found) || enclosed {
+                boxes.push(found);
+            } else {
+                rejected.push(RejectedSurface {
+                    reason: RejectReason::Ambiguous,
+                    centre_in_camera: found.camera_from_box.translation.vector.into(),
+                    area: found.size.length * found.size.width,
+                });
             }
         }
         boxes
@@ -387,10 +409,22 @@ fn settle(
         |c: &Candidate| extents(&settings.sizes[c.label as usize], c.turned).map(|e| e / 2.0);
     let mut centres = Vec::new();
     let mut held = Vec::new();
+    let mut turns = Vec::new();
     for candidate in &all {
         let start = start_frame(patch, candidate);
         let sides = half(candidate).map(|h| 2.0 * h);
-        let fit = fit_rectangle(image, start, sides, settings.plane_tolerance, LEAST_SEEN);
+        let fit = fit_rectangle(
+            image,
+            start,
+            sides,
+            settings.plane_tolerance,
+            LEAST_SEEN,
+            TURN_SEEN,
+        );
+        if fit.sides.iter().any(|side| side.seen >= TURN_SEEN) {
+            let x = fit.frame.x;
+            turns.push(x.dot(&patch.frame.y).atan2(x.dot(&patch.frame.x)));
+        }
         let offset = fit.frame.origin - patch.frame.origin;
         centres.push([offset.dot(&patch.frame.x), offset.dot(&patch.frame.y)]);
         held.push([0, 1].map(|axis: usize| {
@@ -419,6 +453,11 @@ fn settle(
             }
         }
     }
+    // Boxes that hang together share their direction; outer sides show it best.
+    turns.sort_by(f64::total_cmp);
+    let turned = patch
+        .frame
+        .turned(turns.get(turns.len() / 2).copied().unwrap_or(0.0));
     arranged
         .iter()
         .zip(centres)
@@ -427,7 +466,7 @@ fn settle(
                 *candidate,
                 PlaneFrame {
                     origin: patch.frame.point(x, y),
-                    ..patch.frame
+                    ..turned
                 },
             )
         })

@@ -13,6 +13,8 @@ use crate::{
 
 /// Least share of scan lines with an edge for a side to count as seen.
 pub const LEAST_SEEN: f64 = 0.15;
+/// Least share for a side to turn an arranged box.
+pub const TURN_SEEN: f64 = 0.5;
 
 /// What is demanded of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,10 +75,15 @@ fn check(
         return Err(RejectReason::NotFlat);
     }
     let frame = start.on_plane(plane);
-    let fit = fit_rectangle(image, frame, extents, tolerance, LEAST_SEEN);
+    let turn_seen = if proof == Proof::Outline {
+        LEAST_SEEN
+    } else {
+        TURN_SEEN
+    };
+    let fit = fit_rectangle(image, frame, extents, tolerance, LEAST_SEEN, turn_seen);
 
     let proven = fit.sides.iter().filter(|s| s.seen >= LEAST_SEEN).count();
-    let needed = if proof == Proof::Outline { 3 } else { 1 };
+    let needed = if proof == Proof::Outline { 3 } else { 0 };
     if proven < needed {
         return Err(RejectReason::NoKnownSize);
     }
@@ -133,15 +140,15 @@ fn check(
     Ok((found, measured))
 }
 
-/// Pose with X along the long side, of its two directions the one towards positive camera X.
+/// Pose with X along the long side, of its two directions the one towards positive camera X; within
+/// five degrees of square to it, the one towards positive camera Y.
 fn pose(fit: &RectangleFit, turned: bool) -> Pose {
     let z = fit.frame.plane.normal();
     let along = if turned { fit.frame.y } else { fit.frame.x };
-    let along = if along.x > 1e-12 || (along.x.abs() <= 1e-12 && along.y > 0.0) {
-        along
-    } else {
-        -along
-    };
+    // Square to the camera's X the sign of X is chance: there Y decides, within five degrees.
+    let square = along.x.abs() < 5f64.to_radians().sin();
+    let forward = if square { along.y > 0.0 } else { along.x > 0.0 };
+    let along = if forward { along } else { -along };
     let x = (along - z * z.dot(&along)).normalize();
     let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
     Pose::from_parts(

@@ -2,7 +2,7 @@
 
 use depal_frames::{BoxSize, DepthFrame, Intrinsics};
 use depal_time::RandomStreams;
-use depal_vision::{VisionSettings, detect};
+use depal_vision::{VisionSettings, detect, detect_any_size};
 
 fn intrinsics(width: usize, height: usize) -> Intrinsics {
     Intrinsics {
@@ -116,4 +116,78 @@ fn senseless_sizes_and_tunables() {
         };
         assert_eq!(detect(&flat, &odd).boxes, []);
     }
+}
+
+/// A thousand frames of plates, ramps, stripes, noise and holes in every mixture: nothing panics,
+/// and what is reported is finite.
+#[test]
+fn a_thousand_random_frames() {
+    for seed in 0..1000 {
+        let mut r = RandomStreams::new(seed).stream("frame");
+        let (width, height) = (
+            r.uniform(1.0, 200.0) as usize,
+            r.uniform(1.0, 160.0) as usize,
+        );
+        let base = r.uniform(0.2, 4.0);
+        let slope = [r.uniform(-0.01, 0.01), r.uniform(-0.01, 0.01)];
+        let noise = r.uniform(0.0, 0.02);
+        let holes = r.uniform(0.0, 0.5);
+        let plates: Vec<[f64; 5]> = (0..r.next_u64() % 6)
+            .map(|_| {
+                [
+                    r.uniform(0.0, width as f64),
+                    r.uniform(0.0, height as f64),
+                    r.uniform(1.0, 120.0),
+                    r.uniform(1.0, 120.0),
+                    r.uniform(-0.5, 0.5),
+                ]
+            })
+            .collect();
+        let mut image = frame(width, height, |i| {
+            let (u, v) = ((i % width) as f64, (i / width) as f64);
+            let mut z = base + slope[0] * u + slope[1] * v;
+            for [x, y, a, b, rise] in &plates {
+                if (u - x).abs() < *a && (v - y).abs() < *b {
+                    z += rise;
+                }
+            }
+            if r.uniform(0.0, 1.0) < holes {
+                0.0
+            } else {
+                (z + r.uniform(-noise, noise)) as f32
+            }
+        });
+        // Focal lengths and centres that no lens has are part of it.
+        image.intrinsics.fx = r.uniform(1.0, 2000.0);
+        image.intrinsics.fy = r.uniform(1.0, 2000.0);
+        image.intrinsics.cx += r.uniform(-500.0, 500.0);
+        let sizes = [
+            [400.0, 300.0, 250.0],
+            [120.0, 80.0, 60.0],
+            [50.0, 50.0, 50.0],
+        ];
+        let settings = VisionSettings::new(sizes.map(BoxSize::from_mm).to_vec()).suited_to(&image);
+        for detection in [
+            detect(&image, &settings),
+            detect_any_size(&image, &settings),
+        ] {
+            for found in &detection.boxes {
+                let t = found.camera_from_box.translation.vector;
+                assert!(t.iter().all(|c| c.is_finite()), "seed {seed}: {found:?}");
+                assert!(
+                    (0.0..=1.0).contains(&found.confidence),
+                    "seed {seed}: {found:?}"
+                );
+            }
+        }
+    }
+}
+
+/// As wide as an image may be; a picture cut short in transit is missing its lower half.
+#[test]
+fn very_wide_and_half_received() {
+    let wide = frame(16384, 300, |_| 2.0);
+    assert_eq!(detect(&wide, &settings()).boxes, []);
+    let half = frame(640, 480, |i| if i < 640 * 200 { 2.0 } else { 0.0 });
+    assert_eq!(detect(&half, &settings()).boxes, []);
 }

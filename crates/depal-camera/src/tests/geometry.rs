@@ -6,7 +6,9 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use super::*;
-use crate::{Capture, NOTHING, capture};
+use crate::{
+    Capture, Mounting, NOTHING, RenderMesh, TriangleMesh, capture, render_with_meshes, sense,
+};
 
 /// Depth of the first hit along a ray from the origin whose Z is 1.
 /// Boxes and balls: parry's closed forms. Capsules and cylinders: marching along the signed
@@ -263,4 +265,88 @@ fn a_capsule_around_the_eye_is_not_seen() {
     let around = solid(2, capsule, [0.0, 0.0, 0.25], [0.0; 3]);
     let shot = capture(&spec, &Pose::identity(), &[wall(1, 2.0), around], 0);
     assert!(shot.ids.iter().all(|id| *id == 1));
+}
+
+/// The mesh of a cuboid, corners counter-clockwise from outside.
+fn cuboid_mesh(half: &Vector) -> TriangleMesh {
+    let corners = (0..8)
+        .map(|k| {
+            let side = |bit: usize, h: f64| if k & bit == 0 { -h } else { h };
+            Point::new(side(1, half.x), side(2, half.y), side(4, half.z))
+        })
+        .collect();
+    let quads = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles = quads
+        .iter()
+        .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
+        .collect();
+    TriangleMesh::new(corners, triangles).expect("indices within range")
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 64,
+        rng_seed: RngSeed::Fixed(2),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn a_box_of_triangles_looks_like_a_box(
+        half in prop::array::uniform3(0.02..0.4_f64),
+        at in (prop::array::uniform2(-1.2..1.2_f64), 0.2..3.5_f64),
+        turn in prop::array::uniform3(-3.0..3.0_f64),
+    ) {
+        let half = Vector::from(half);
+        let shape = solid(5, Shape::Cuboid { half_extents: half }, [at.0[0], at.0[1], at.1], turn);
+        let mesh = RenderMesh {
+            world_from_mesh: shape.world_from_shape,
+            mesh: std::sync::Arc::new(cuboid_mesh(&half)),
+            id: 5,
+            material: Material::KRAFT,
+        };
+        // 250 columns: the last tile is a narrow one.
+        let spec = camera(250, 190, SensorSpec::ideal());
+        let back = [wall(1, 4.2)];
+        let as_mesh = sense(
+            &spec,
+            &render_with_meshes(&spec, &Pose::identity(), &back, &[mesh]),
+            0,
+        );
+        let as_shape = capture(&spec, &Pose::identity(), &[back[0].clone(), shape], 0);
+        for pixel in 0..as_mesh.ids.len() {
+            let same = (as_mesh.ideal_depth[pixel] - as_shape.ideal_depth[pixel]).abs() < 1e-4
+                && as_mesh.ids[pixel] == as_shape.ids[pixel];
+            prop_assert!(same || at_silhouette(250, pixel, &as_shape.ideal_depth, &as_shape.ids));
+        }
+    }
+}
+
+#[test]
+fn meshes_with_wrong_indices_are_refused() {
+    assert!(TriangleMesh::new(vec![Point::origin(); 3], vec![[0, 1, 3]]).is_none());
+    assert!(TriangleMesh::new(vec![Point::new(f64::NAN, 0.0, 0.0)], Vec::new()).is_none());
+}
+
+#[test]
+fn a_camera_on_the_flange_moves_with_it() {
+    let flange_from_camera = Pose::translation(0.0, 0.1, 0.05);
+    let world_from_flange = Pose::translation(1.0, 0.0, 2.0);
+    let in_hand = Mounting::EyeInHand { flange_from_camera };
+    let at = in_hand.world_from_camera(&world_from_flange);
+    assert_eq!(at.translation.vector, Vector::new(1.0, 0.1, 2.05));
+    let on_stand = Mounting::EyeToHand {
+        world_from_camera: flange_from_camera,
+    };
+    assert_eq!(
+        on_stand.world_from_camera(&world_from_flange),
+        flange_from_camera
+    );
 }

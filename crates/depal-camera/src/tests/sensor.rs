@@ -333,7 +333,7 @@ fn dark_tape_is_lost_and_noisier_boards_are_noisier() {
             },
         );
         let mut board = wall(0, 3.0);
-        board.material = Material { albedo };
+        board.material = Material::matt(albedo);
         let shot = shoot(&spec, &[board], 1);
         (shot
             .frame
@@ -431,5 +431,124 @@ fn redrawing_into_used_buffers_is_the_same_as_a_fresh_picture() {
     for spec in [small, large] {
         rendering.redraw(&spec, &at, scene);
         assert_eq!(sense(&spec, &rendering, 3), shoot(&spec, scene, 3));
+    }
+}
+
+/// A board with a strip of another material across its middle, face at 1.5 m.
+fn taped(material: Material) -> Vec<RenderShape> {
+    let mut strip = solid(
+        2,
+        Shape::cuboid(4.0, 0.06, 0.0002),
+        [0.0, 0.0, 1.5],
+        [0.0; 3],
+    );
+    strip.material = material;
+    vec![wall(1, 1.5), strip]
+}
+
+#[test]
+fn materials_differ_in_losses_noise_and_brightness() {
+    let spec = camera(640, 480, SensorSpec::laser_3m());
+    // Share lost, deviation of depth and mean grey on the strip.
+    let look = |material: Material| {
+        let shot = shoot(&spec, &taped(material), 5);
+        let (mut seen, mut total, mut squares, mut grey) = (0.0, 0.0, 0.0, 0.0);
+        for pixel in (0..640 * 480).filter(|p| shot.ids[*p] == 2) {
+            total += 1.0;
+            grey += f64::from(shot.frame.intensity[pixel]);
+            let z = shot.frame.depth[pixel];
+            if z > 0.0 {
+                seen += 1.0;
+                squares += f64::from(z - shot.ideal_depth[pixel]).powi(2);
+            }
+        }
+        assert!(total > 1000.0);
+        (1.0 - seen / total, (squares / seen).sqrt(), grey / total)
+    };
+    let (kraft, label) = (look(Material::KRAFT), look(Material::LABEL));
+    let (tape, film) = (look(Material::BLACK_TAPE), look(Material::FILM));
+    assert!(kraft.0 < 0.01 && label.0 < 0.01);
+    assert!(label.2 > 1.3 * kraft.2, "{label:?} {kraft:?}");
+    assert!(tape.0 > 0.3 && tape.2 < 0.3 * kraft.2, "{tape:?}");
+    assert!(film.0 > 0.1 && film.1 > 2.0 * kraft.1, "{film:?} {kraft:?}");
+}
+
+#[test]
+fn a_glossy_strip_is_over_exposed_only_in_the_mirror_direction() {
+    let spec = camera(640, 480, SensorSpec::laser_3m());
+    // A level strip mirrors the projector at half the baseline: x = 0.15 m.
+    let shot = shoot(&spec, &taped(Material::GLOSSY_TAPE), 5);
+    let lost = |x: f64| {
+        let u = (x / 1.5 * spec.intrinsics.fx + spec.intrinsics.cx) as usize;
+        let mut lost = 0;
+        for v in 232..248 {
+            lost += (u - 8..u + 8)
+                .filter(|u| shot.frame.depth[v * 640 + u] == 0.0)
+                .count();
+        }
+        f64::from(lost as u32) / 256.0
+    };
+    assert_eq!(lost(0.15), 1.0);
+    assert!(
+        lost(-0.4) < 0.3 && lost(0.6) < 0.3,
+        "{} {}",
+        lost(-0.4),
+        lost(0.6)
+    );
+}
+
+#[test]
+fn presets_differ_as_their_classes_do() {
+    let spread = |sensor: SensorSpec, z: f64| {
+        let spec = camera(320, 240, sensor);
+        let shot = shoot(&spec, &[wall(0, z)], 3);
+        let errors: Vec<f64> = (90..150)
+            .flat_map(|v| (130..190).map(move |u| v * 320 + u))
+            .map(|p| f64::from(shot.frame.depth[p]))
+            .filter(|d| *d > 0.0)
+            .collect();
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt()
+    };
+    let at_2m = |sensor: SensorSpec| spread(sensor, 2.0) * 1e3;
+    assert_eq!(at_2m(SensorSpec::ideal()), 0.0);
+    let (mid, long) = (at_2m(SensorSpec::laser_2m()), at_2m(SensorSpec::laser_3m()));
+    let (flight, stereo) = (
+        at_2m(SensorSpec::time_of_flight()),
+        at_2m(SensorSpec::active_stereo()),
+    );
+    assert!(
+        mid < long && long < flight && flight < stereo,
+        "{mid} {long} {flight} {stereo}"
+    );
+    assert!((0.15..0.35).contains(&long), "{long}");
+}
+
+#[test]
+fn steps_of_disparity_grow_with_the_square_of_depth() {
+    let sensor = SensorSpec {
+        disparity_step_px: 0.125,
+        axial_noise: 0.002,
+        ..SensorSpec::ideal()
+    };
+    let spec = camera(320, 240, sensor);
+    let steps = |z: f64| {
+        let shot = shoot(&spec, &[wall(0, z)], 3);
+        let mut values: Vec<f64> = shot.frame.depth.iter().map(|z| f64::from(*z)).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        values
+            .windows(2)
+            .map(|w| w[1] - w[0])
+            .fold(f64::INFINITY, f64::min)
+    };
+    let expected = |z: f64| z * z * 0.125 / (spec.intrinsics.fx * 0.3);
+    for z in [1.0, 3.0] {
+        assert!(
+            (steps(z) / expected(z) - 1.0).abs() < 0.05,
+            "{} {}",
+            steps(z),
+            expected(z)
+        );
     }
 }

@@ -240,6 +240,10 @@ fn camera(camera: &Camera) -> Result<CameraSpec, BuildError> {
             axial_noise: camera.noise_mm * 1e-3,
             ..SensorSpec::laser_structured_light()
         },
+        SensorPreset::Laser2m => SensorSpec::laser_2m(),
+        SensorPreset::Laser3m => SensorSpec::laser_3m(),
+        SensorPreset::ActiveStereo => SensorSpec::active_stereo(),
+        SensorPreset::TimeOfFlight => SensorSpec::time_of_flight(),
         SensorPreset::Ideal => SensorSpec::ideal(),
     };
     sensor.blackout = camera.blackout;

@@ -1,0 +1,266 @@
+//! Layers of cartons taken by the simulated camera, with its truth: depth, intensity and all noise.
+//! Z of the world points up; the camera looks straight down.
+#![allow(dead_code)]
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use depal_camera::{CameraSpec, Material, RenderShape, SensorSpec, render, sense};
+use depal_frames::{BoxSize, DepthFrame, Intrinsics, Pose, Rotation, Shape, Vector};
+use depal_time::RandomStreams;
+use depal_vision::DetectedBox;
+
+/// A top face: middle, yaw about the world's Z, sides.
+#[derive(Debug, Clone, Copy)]
+pub struct Carton {
+    pub x: f64,
+    pub y: f64,
+    pub top: f64,
+    pub yaw: f64,
+    pub size: [f64; 3],
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    Regular,
+    Brick,
+    Pinwheel,
+    Mixed,
+}
+
+impl Layout {
+    /// Rectangles (x, y, extent in x, extent in y), millimetres.
+    fn rectangles(self) -> Vec<[f64; 4]> {
+        let row = |y: f64, x: f64, n: usize, a: f64, b: f64| {
+            (0..n).map(move |i| [x + a * i as f64, y, a, b])
+        };
+        match self {
+            Self::Regular => (0..4)
+                .flat_map(|j| row(200.0 * f64::from(j), 0.0, 4, 300.0, 200.0))
+                .collect(),
+            Self::Brick => row(0.0, 0.0, 3, 400.0, 300.0)
+                .chain(row(300.0, 0.0, 4, 300.0, 400.0))
+                .collect(),
+            Self::Pinwheel => vec![
+                [0.0, 0.0, 400.0, 300.0],
+                [400.0, 0.0, 300.0, 400.0],
+                [300.0, 400.0, 400.0, 300.0],
+                [0.0, 300.0, 300.0, 400.0],
+            ],
+            Self::Mixed => vec![
+                [0.0, 0.0, 400.0, 300.0],
+                [400.0, 0.0, 400.0, 300.0],
+                [800.0, 0.0, 300.0, 200.0],
+                [0.0, 300.0, 300.0, 200.0],
+                [300.0, 300.0, 300.0, 200.0],
+                [600.0, 300.0, 200.0, 300.0],
+            ],
+        }
+    }
+
+    pub fn sizes(self) -> Vec<BoxSize> {
+        let mm = |l, w| BoxSize::from_mm([l, w, 200.0]);
+        match self {
+            Self::Regular => vec![mm(300.0, 200.0)],
+            Self::Brick | Self::Pinwheel => vec![mm(400.0, 300.0)],
+            Self::Mixed => vec![mm(400.0, 300.0), mm(300.0, 200.0)],
+        }
+    }
+}
+
+pub const HEIGHT: f64 = 0.2;
+
+/// A layer with `gap` metres between its cartons, the middle of its tops at (0, 0, `top`).
+/// Each carton is turned and shifted a little where the gap leaves room, and tilted by a tenth of a degree.
+pub fn layer(layout: Layout, gap: f64, top: f64, seed: u64) -> Vec<Carton> {
+    let mut r = RandomStreams::new(seed).stream("layer");
+    let rectangles = layout.rectangles();
+    let [width, depth] = rectangles.iter().fold([0.0f64; 2], |b, r| {
+        [b[0].max(r[0] + r[2]), b[1].max(r[1] + r[3])]
+    });
+    // The whole layer stands as a forklift has left it.
+    let turn = r.uniform(-0.01, 0.01);
+    let shift = [r.uniform(-0.02, 0.02), r.uniform(-0.02, 0.02)];
+    let (s, c) = turn.sin_cos();
+    let steps = |at: f64| (at / 250.0).round();
+    rectangles
+        .iter()
+        .map(|rectangle| {
+            let free = f64::from(u8::from(gap >= 0.002));
+            let jitter = (gap * 0.15).min(0.001) * free;
+            let x = (rectangle[0] + rectangle[2] / 2.0 - width / 2.0) * 1e-3
+                + gap * steps(rectangle[0])
+                + r.uniform(-jitter, jitter);
+            let y = (rectangle[1] + rectangle[3] / 2.0 - depth / 2.0) * 1e-3
+                + gap * steps(rectangle[1])
+                + r.uniform(-jitter, jitter);
+            let turned = rectangle[3] > rectangle[2];
+            let (long, short) = (
+                rectangle[2].max(rectangle[3]) * 1e-3,
+                rectangle[2].min(rectangle[3]) * 1e-3,
+            );
+            let room = (gap / long * 0.3).min(0.005) * free;
+            Carton {
+                x: x * c - y * s + shift[0],
+                y: x * s + y * c + shift[1],
+                top: top + r.uniform(-0.0005, 0.0005),
+                yaw: turn + if turned { FRAC_PI_2 } else { 0.0 } + r.uniform(-room, room),
+                size: [long, short, HEIGHT],
+            }
+        })
+        .collect()
+}
+
+pub fn block(
+    id: u32,
+    centre: [f64; 3],
+    size: [f64; 3],
+    yaw: f64,
+    material: Material,
+) -> RenderShape {
+    RenderShape {
+        world_from_shape: Pose::from_parts(
+            Vector::from(centre).into(),
+            Rotation::new(Vector::z() * yaw),
+        ),
+        shape: Shape::cuboid(size[0], size[1], size[2]),
+        id,
+        material,
+    }
+}
+
+impl Carton {
+    pub fn shape(&self, id: u32) -> RenderShape {
+        let centre = [self.x, self.y, self.top - self.size[2] / 2.0];
+        block(id, centre, self.size, self.yaw, Material::KRAFT)
+    }
+}
+
+/// Cartons as solids, over the lower layers as one block and a floor.
+pub fn stacked(cartons: &[Carton], top: f64) -> Vec<RenderShape> {
+    let mut shapes: Vec<RenderShape> = cartons
+        .iter()
+        .enumerate()
+        .map(|(n, carton)| carton.shape(n as u32))
+        .collect();
+    let below = top - HEIGHT - 0.002;
+    shapes.push(block(
+        1000,
+        [0.0, 0.0, below / 2.0],
+        [1.15, 0.75, below],
+        0.0,
+        Material::KRAFT,
+    ));
+    shapes.push(block(
+        1001,
+        [0.0, 0.0, -0.1],
+        [8.0, 8.0, 0.2],
+        0.0,
+        Material::CONCRETE,
+    ));
+    shapes
+}
+
+/// 1280 x 1024, 1.25 mm per pixel at 2 m.
+pub fn camera(sensor: SensorSpec) -> CameraSpec {
+    CameraSpec {
+        intrinsics: Intrinsics {
+            width: 1280,
+            height: 1024,
+            fx: 1600.0,
+            fy: 1600.0,
+            cx: 639.5,
+            cy: 511.5,
+        },
+        near: 0.5,
+        far: 5.0,
+        baseline: 0.3,
+        sensor,
+    }
+}
+
+/// `height` metres above the floor, X to the right.
+pub fn looking_down(height: f64) -> Pose {
+    Pose::from_parts(
+        Vector::new(0.0, 0.0, height).into(),
+        Rotation::new(Vector::x() * PI),
+    )
+}
+
+pub fn picture(
+    spec: &CameraSpec,
+    world_from_camera: &Pose,
+    shapes: &[RenderShape],
+    seed: u64,
+) -> DepthFrame {
+    sense(spec, &render(spec, world_from_camera, shapes), seed).frame
+}
+
+#[derive(Debug, Default, Clone)]
+pub struct Score {
+    pub wanted: usize,
+    pub found: usize,
+    pub false_positives: usize,
+    pub xy_mm: Vec<f64>,
+    pub z_mm: Vec<f64>,
+    pub yaw_deg: Vec<f64>,
+    pub tilt_deg: Vec<f64>,
+    pub time_ms: Vec<f64>,
+}
+
+impl Score {
+    pub fn add(&mut self, world_from_camera: &Pose, wanted: &[Carton], boxes: &[DetectedBox]) {
+        let mut open = wanted.to_vec();
+        self.wanted += open.len();
+        for found in boxes {
+            let pose = world_from_camera * found.camera_from_box;
+            let p = pose.translation.vector;
+            let near = |c: &Carton| {
+                (c.x - p.x).hypot(c.y - p.y) < 0.02
+                    && (c.top - p.z).abs() < 0.02
+                    && (c.size[0] - found.size.length).abs() < 0.02
+                    && (c.size[1] - found.size.width).abs() < 0.02
+            };
+            let Some(n) = open.iter().position(near) else {
+                self.false_positives += 1;
+                continue;
+            };
+            let carton = open.remove(n);
+            let x = pose.rotation * Vector::x();
+            let mut yaw = x.y.atan2(x.x) - carton.yaw;
+            yaw -= (yaw / PI).round() * PI;
+            let normal = pose.rotation * Vector::z();
+            self.found += 1;
+            self.xy_mm
+                .push((carton.x - p.x).hypot(carton.y - p.y) * 1e3);
+            self.z_mm.push((carton.top - p.z).abs() * 1e3);
+            self.yaw_deg.push(yaw.abs().to_degrees());
+            self.tilt_deg.push(normal.angle(&Vector::z()).to_degrees());
+        }
+    }
+
+    pub fn line(&self) -> String {
+        format!(
+            "{:>3}/{:<3} | {:>2} | {:.2} / {:.2} | {:.2} | {:.3} / {:.3} | {:.3} | {:.1}",
+            self.found,
+            self.wanted,
+            self.false_positives,
+            quantile(&self.xy_mm, 0.5),
+            quantile(&self.xy_mm, 0.95),
+            quantile(&self.z_mm, 0.95),
+            quantile(&self.yaw_deg, 0.5),
+            quantile(&self.yaw_deg, 0.95),
+            quantile(&self.tilt_deg, 0.95),
+            quantile(&self.time_ms, 0.5),
+        )
+    }
+}
+
+pub fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1);
+    sorted
+        .get((share * last as f64).round() as usize)
+        .copied()
+        .unwrap_or(f64::NAN)
+}
