@@ -19,6 +19,7 @@ fn limits(scene: &Scene) -> AcceptLimits {
     }
 }
 
+/// All of them, or the one that `DEPAL_SCENE=name` asks for.
 #[test]
 fn every_scene_is_accepted() {
     let mut paths: Vec<_> = std::fs::read_dir(root().join("scenes"))
@@ -30,6 +31,9 @@ fn every_scene_is_accepted() {
         })
         .collect();
     paths.sort();
+    if let Ok(name) = std::env::var("DEPAL_SCENE") {
+        paths.retain(|path| path.file_stem().is_some_and(|stem| *stem == *name));
+    }
     assert!(!paths.is_empty(), "no scenes found");
     for path in paths {
         let scene = Scene::load_file(&path.to_string_lossy(), &[], None)
@@ -39,10 +43,12 @@ fn every_scene_is_accepted() {
         let report = Report::new(&totals, &limits(&scene));
         assert!(
             report.accept.passed,
-            "{}:\n{}",
+            "{}: {}\n{}",
             path.display(),
+            finished.outcome.end_detail,
             summary(&report)
         );
+        println!("{}\n{}", path.display(), summary(&report));
     }
 }
 

@@ -3,6 +3,7 @@
 use depal_camera::{Material, RenderShape};
 use depal_controller::{Controller, ControllerEvent, ControllerState};
 use depal_frames::{JointPositions, Pose};
+use depal_interface::plc_port;
 use depal_time::{SimDuration, SimTime, TICK};
 use depal_vm::execution::RobotTask;
 use depal_world::{VisibleKind, World, WorldEvent};
@@ -90,10 +91,16 @@ impl Cell {
     /// Builds the cell and lets the cartons settle. `stopwatch` gives wall seconds for the report's
     /// computing times; it influences nothing (tests give `|| 0.0`).
     pub fn new(
-        spec: CellSpec,
+        mut spec: CellSpec,
         task: Box<dyn RobotTask>,
         stopwatch: fn() -> f64,
     ) -> Result<Self, CellError> {
+        if spec.plc.is_some() {
+            // The session behind a data block.
+            for port in &mut spec.interface.ports {
+                *port = plc_port(port);
+            }
+        }
         let mut world = World::new(&spec.world);
         for carton in &spec.cartons {
             world.add_carton(carton);

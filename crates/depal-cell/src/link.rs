@@ -253,11 +253,6 @@ impl Network for Link {
         address: &str,
         port: u16,
     ) -> Result<(), Fault> {
-        if self.plc.is_none() {
-            return Err(Fault::NotThere {
-                message: "a network that takes connections".to_owned(),
-            });
-        }
         if self.listening.is_some() {
             let address = format!("{address}:{port}");
             return Err(Fault::AddressInUse { address });

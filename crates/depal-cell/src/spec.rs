@@ -57,7 +57,7 @@ pub struct CellSpec {
     /// The port that the robot program connects to.
     pub port: u16,
     /// Present if the robot task is a controller with a data block: then vision connects to the task and polls
-    /// the block, instead of the task connecting to vision. The session has to be one of
+    /// the block, instead of the task connecting to vision, and the sessions are those of
     /// [`depal_interface::plc_port`].
     pub plc: Option<PlcPort>,
     /// The cabinet.

@@ -87,7 +87,8 @@ pub(crate) struct Sequence {
     /// Still to be handed to the motion queue.
     moves: VecDeque<MoveRequest>,
     last_move: Option<MoveId>,
-    first_beat: Option<bool>,
+    /// The heartbeat at the start, and when that was.
+    first_beat: Option<(bool, SimTime)>,
     path: Path,
     /// A carton was released, and the arm stands over it.
     is_at_place: bool,
@@ -163,8 +164,16 @@ impl Sequence {
         match self.stage {
             Stage::AwaitVision => {
                 let beat = block.bool(Field::Heartbeat);
-                if *self.first_beat.get_or_insert(beat) == beat {
-                    return Ok(Step::Blocked);
+                let (first, since) = *self.first_beat.get_or_insert((beat, now));
+                if first == beat {
+                    let patience = self.settings.vision_time;
+                    if since + patience > now {
+                        return Ok(Step::Blocked);
+                    }
+                    return Err(format!(
+                        "no heartbeat of vision within {:.0} s: it does not write this data block",
+                        patience.as_secs_f64()
+                    ));
                 }
                 self.enter(Stage::CheckState, system);
             }

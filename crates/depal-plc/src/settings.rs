@@ -44,6 +44,8 @@ pub struct PlcSettings {
     pub section_groups: Vec<String>,
     /// Input that is 1 while the switched-on sections hold vacuum.
     pub vacuum_signal: String,
+    /// How long the first heartbeat of vision is waited for. Default 30 s.
+    pub vision_time: SimDuration,
     /// How long the vacuum may take. Default 1.5 s.
     pub vacuum_time: SimDuration,
     /// Straight up after the release, m. Default 0.15.
@@ -71,6 +73,7 @@ impl Default for PlcSettings {
             flange_from_tcp: Pose::identity(),
             section_groups: vec!["goVacuum".to_owned()],
             vacuum_signal: "diVacuumOk".to_owned(),
+            vision_time: SimDuration::from_millis(30_000),
             vacuum_time: SimDuration::from_millis(1_500),
             retreat: 0.15,
             tcp_speed: 5.0,

@@ -19,6 +19,8 @@ choice! {
         HexBe = "hex-be",
         /// Found out from the first bytes of each connection.
         Auto = "auto",
+        /// An S7 data block that the server polls at the controller of `[plc]`.
+        S7 = "s7",
     }
 }
 

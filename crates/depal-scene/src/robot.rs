@@ -70,7 +70,8 @@ section! {
         /// URDF file of the arm.
         urdf: TextFile, File, required;
         /// Program files: one, or a list that is loaded in this order.
-        program: Vec<TextFile>, OneOrMore(File, 32), required;
+        /// Default none: the arm is run by the controller of `[plc]`.
+        program: Vec<TextFile>, OneOrMore(File, 32), default(Vec::new());
         /// The interface module that programs call.
         /// Default: the module inside the program, in the manner of interface version 1.8.
         module: TextFile, File, file("embedded:assets/rapid/MM_Module.mod");

@@ -6,8 +6,9 @@ use serde_json::{Value as Json, json};
 use crate::calibration::Calibration;
 use crate::camera::Camera;
 use crate::gripper::Gripper;
-use crate::interface::{Interface, Latency};
+use crate::interface::{Interface, Latency, WireEncoding};
 use crate::layout::footprint_mm;
+use crate::plc::Plc;
 use crate::reader::{Checker, Section as _, section};
 use crate::robot::{Robot, SignalKind};
 use crate::rules::{Maybe, Text, table, whole};
@@ -48,6 +49,9 @@ section! {
         gripper: Gripper, table(), section;
         /// The arm, its cabinet and its program.
         robot: Robot, table(), section;
+        /// A controller with an S7 data block that runs the arm, in place of a robot program.
+        /// Default: none, the arm runs the program of `[robot]`.
+        plc: Option<Plc>, Maybe(table()), default(None);
         /// The robot-facing interface of the vision server.
         interface: Interface, table(), section;
         /// The vision projects.
@@ -159,6 +163,7 @@ fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
             );
         }
     }
+    check_who_runs_the_arm(scene, checker);
     let footprint = scene
         .cartons
         .stack()
@@ -189,6 +194,28 @@ fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
             format!("expected at most the {most} cartons of the pallet, found {least}"),
             None,
         );
+    }
+}
+
+/// The arm obeys a robot program or a controller, and never both.
+fn check_who_runs_the_arm(scene: &Scene, checker: &mut Checker<'_, '_>) {
+    match (&scene.plc, scene.robot.program.is_empty()) {
+        (None, true) => checker.problem(
+            "robot.program",
+            "expected a program for the arm, found none".to_owned(),
+            Some("name its files in robot.program, or let a controller run the arm with [plc]"),
+        ),
+        (Some(_), false) => checker.problem(
+            "robot.program",
+            "expected no robot program beside [plc], which runs the arm itself".to_owned(),
+            Some("leave one of the two out"),
+        ),
+        (None, false) if scene.interface.encoding == WireEncoding::S7 => checker.problem(
+            "interface.encoding",
+            "expected a controller with a data block for s7, found a robot program".to_owned(),
+            Some("set up the controller in [plc], or take hex-le, hex-be, ascii or auto"),
+        ),
+        _ => {}
     }
 }
 

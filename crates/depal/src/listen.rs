@@ -3,6 +3,7 @@
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::time::Duration;
 
+use depal_cell::spec::PlcPort;
 use depal_interface::{Encoding, PortSettings, plc_port};
 use depal_net::Listen;
 use depal_net::s7::PlcAddress;
@@ -90,6 +91,21 @@ impl Port {
         Self {
             kind,
             listen: Listen::Commands(address),
+        }
+    }
+
+    /// The data block of a scene's controller, to be polled at an address.
+    pub fn plc(plc: &PlcPort, address: SocketAddr) -> Self {
+        let address = PlcAddress {
+            db: plc.db,
+            rack: plc.rack,
+            slot: plc.slot,
+            poll: Duration::from_nanos(plc.poll.as_nanos()),
+            ..PlcAddress::new(address)
+        };
+        Self {
+            kind: Kind::S7,
+            listen: Listen::S7Client(address),
         }
     }
 }

@@ -28,7 +28,10 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     spec.interface.faults.extend(faults(&args.inject)?);
     if listens.is_empty() {
         let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), spec.port);
-        listens.push(Port::commands(Kind::of_port(&own_port(&spec)), address));
+        listens.push(match spec.plc.take() {
+            Some(plc) => Port::plc(&plc, address),
+            None => Port::commands(Kind::of_port(&own_port(&spec)), address),
+        });
     }
     let wanted: Vec<Listen> = listens.iter().map(|port| port.listen).collect();
     let ports = open(&wanted).map_err(environment)?;

@@ -3,6 +3,7 @@
 mod calibration;
 mod gripper;
 mod hand_eye;
+mod plc;
 mod program;
 mod server;
 mod solids;
@@ -24,6 +25,7 @@ use depal_vm::{Diagnostic, SourceFile};
 use depal_world::{CartonSpec, WorldSpec};
 
 use crate::camera::{Camera, SensorPreset};
+use crate::interface::WireEncoding;
 use crate::layout::carton_layout;
 use crate::robot::{Signal, SignalKind};
 use crate::scene::Scene;
@@ -85,6 +87,15 @@ impl Scene {
     /// See [`BuildError`]; nothing is half built.
     pub fn build(&self) -> Result<Built, BuildError> {
         let spec = self.cell_spec()?;
+        if let Some(controller) = &self.plc {
+            let task = Box::new(plc::task(controller, &spec)?);
+            return Ok(Built {
+                spec,
+                task,
+                sources: Vec::new(),
+                warnings: Vec::new(),
+            });
+        }
         let program = load_program(&self.robot)?;
         Ok(Built {
             spec,
@@ -169,7 +180,11 @@ impl Scene {
             interface: server::server(self, &workflow, calibration::poses(self, &arm, &start)),
             workflow,
             port: self.interface.port,
-            plc: None,
+            plc: self
+                .plc
+                .as_ref()
+                .filter(|_| self.interface.encoding == WireEncoding::S7)
+                .map(|controller| plc::port(controller, &self.interface)),
             controller,
             known_obstacles: solids::known_obstacles(self).iter().map(to_base).collect(),
             place: PlaceSpec {

@@ -73,7 +73,7 @@ fn port(interface: &Interface) -> PortSettings {
     PortSettings {
         encoding: match interface.encoding {
             WireEncoding::Ascii | WireEncoding::Auto => Encoding::Ascii,
-            WireEncoding::HexLe => Encoding::HexLittleEndian,
+            WireEncoding::HexLe | WireEncoding::S7 => Encoding::HexLittleEndian,
             WireEncoding::HexBe => Encoding::HexBigEndian,
         },
         detects_encoding: interface.encoding == WireEncoding::Auto,
