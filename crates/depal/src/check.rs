@@ -178,11 +178,14 @@ fn check_scene(path: &Path) -> Result<String, Vec<String>> {
     if !faults.is_empty() {
         return Err(faults);
     }
+    let program = match &scene.plc {
+        Some(plc) => format!("run by a controller with data block {}", plc.db),
+        None => format!("{} program file(s)", built.sources.len()),
+    };
     Ok(format!(
-        "good: {} cartons, {}, {} program file(s); the Viz project:\n{}",
+        "good: {} cartons, {}, {program}; the Viz project:\n{}",
         built.spec.cartons.len(),
         built.spec.arm.name(),
-        built.sources.len(),
         built.spec.workflow.to_string().trim_end()
     ))
 }
