@@ -3,9 +3,8 @@
 use depal_frames::BoxSize;
 
 use crate::{
-    gate::DepthImage,
-    patch::Patch,
-    relief::{BLOCK, Relief},
+    patch::{BLOCK, Patch},
+    relief::Relief,
     search::{Candidate, climb, extents, has_seam, measure},
 };
 
@@ -47,13 +46,14 @@ pub struct Arrangement {
     pub unique: bool,
 }
 
-/// Covers what `fixed` leaves uncovered. `None` when the known sizes cannot cover it.
+/// Covers what `fixed` leaves uncovered. `None` when the known sizes cannot cover it. `beside`: the
+/// sizes that stand proven beside the patch.
 pub fn arrange(
     patch: &Patch,
-    image: &DepthImage,
     tolerance: f64,
     sizes: &[BoxSize],
     fixed: &[Candidate],
+    beside: &[u32],
 ) -> Option<Arrangement> {
     let (bx, by) = (patch.columns / BLOCK, patch.rows / BLOCK);
     let mut blocks = Vec::new();
@@ -73,7 +73,7 @@ pub fn arrange(
         patch,
         sizes,
         blocks,
-        relief: Relief::new(patch, image, tolerance),
+        relief: Relief::new(patch),
         tries: 0,
         least: None,
         readings: Vec::new(),
@@ -138,6 +138,7 @@ pub fn arrange(
         together == 1
             || narrow && best.len() >= LEAST_WITHOUT_SEAM
             || fixed.iter().any(|f| f.label == best[b].label)
+            || beside.contains(&best[b].label)
     };
     let kept: Vec<Candidate> = (0..best.len())
         .filter(|&b| believable(b))

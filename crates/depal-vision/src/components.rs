@@ -23,12 +23,9 @@ pub fn components(mask: &[u8], width: usize) -> Vec<Component> {
     for (row, line) in mask.chunks_exact(width).enumerate() {
         let start = runs.len();
         let mut u = 0;
-        while let Some(offset) = line[u..].iter().position(|&b| b == 1) {
+        while let Some(offset) = first_not::<0>(&line[u..]) {
             let first = u + offset;
-            let length = line[first..]
-                .iter()
-                .position(|&b| b == 0)
-                .unwrap_or(width - first);
+            let length = first_not::<1>(&line[first..]).unwrap_or(width - first);
             parent.push(runs.len());
             runs.push(Run {
                 row,
@@ -64,6 +61,38 @@ pub fn components(mask: &[u8], width: usize) -> Vec<Component> {
         component.runs.push(run);
     }
     found
+}
+
+/// Where a line of bytes first differs from `SAME`, sixteen at a time.
+fn first_not<const SAME: u8>(line: &[u8]) -> Option<usize> {
+    let (chunks, rest) = line.as_chunks::<16>();
+    let skipped = chunks
+        .iter()
+        .position(|chunk| *chunk != [SAME; 16])
+        .unwrap_or(chunks.len());
+    let from = 16 * skipped;
+    let tail = if skipped < chunks.len() {
+        &chunks[skipped][..]
+    } else {
+        rest
+    };
+    tail.iter().position(|&b| b != SAME).map(|k| from + k)
+}
+
+/// Calls `found` with the place of each zero in a line of zeros and ones, sixteen at a time.
+pub fn each_zero(line: &[u8], mut found: impl FnMut(usize)) {
+    let (chunks, rest) = line.as_chunks::<16>();
+    let places = chunks
+        .iter()
+        .enumerate()
+        .filter(|(_, chunk)| **chunk != [1; 16])
+        .map(|(n, chunk)| (16 * n, &chunk[..]))
+        .chain(std::iter::once((16 * chunks.len(), rest)));
+    for (from, bytes) in places {
+        for (k, _) in bytes.iter().enumerate().filter(|(_, b)| **b == 0) {
+            found(from + k);
+        }
+    }
 }
 
 fn root(parent: &mut [usize], mut i: usize) -> usize {

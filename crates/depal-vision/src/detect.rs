@@ -14,7 +14,33 @@ use crate::{
 /// Finds every whole uncovered top face of a known size. A frame that is empty, all invalid or
 /// contradicts itself gives an empty detection. Pure: the same frame gives the same bits.
 pub fn detect(frame: &DepthFrame, settings: &VisionSettings) -> Detection {
-    let Some(image) = gate(frame, settings) else {
+    detect_staged(frame, settings, &mut |_| {})
+}
+
+/// A part of the estimation, in order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Valid pixels, depth range, region.
+    Gate,
+    /// Step mask and connected pieces with their planes.
+    Pieces,
+    /// Cartons whose outline can be seen.
+    Outlines,
+    /// Surfaces without visible gaps.
+    Coverings,
+    /// What no reported carton explains.
+    Obstacles,
+}
+
+/// As [`detect`]; calls `entered` as each stage begins, so that a bench can tell their times.
+pub fn detect_staged(
+    frame: &DepthFrame,
+    settings: &VisionSettings,
+    entered: &mut dyn FnMut(Stage),
+) -> Detection {
+    entered(Stage::Gate);
+    let mut cleaned = Vec::new();
+    let Some(image) = gate(frame, &mut cleaned, settings) else {
         return Detection::default();
     };
     let mut detection = Detection {
@@ -25,8 +51,9 @@ pub fn detect(frame: &DepthFrame, settings: &VisionSettings) -> Detection {
         return detection;
     }
     if settings.sizes.iter().any(is_usable) {
-        find_boxes(&image, settings, &mut detection);
+        find_boxes(&image, settings, &mut detection, entered);
     }
+    entered(Stage::Obstacles);
     detection.obstacle_points = obstacle_points(&image, &detection.boxes, settings.obstacle_voxel);
     detection
 }
@@ -35,7 +62,8 @@ pub fn detect(frame: &DepthFrame, settings: &VisionSettings) -> Detection {
 /// settings' sizes are not looked at. The height is unknown and given as 0. Cartons without a gap
 /// between them cannot be told apart without their size. Pure, as [`detect`].
 pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detection {
-    let Some(image) = gate(frame, settings) else {
+    let mut cleaned = Vec::new();
+    let Some(image) = gate(frame, &mut cleaned, settings) else {
         return Detection::default();
     };
     let mut detection = Detection {
@@ -49,7 +77,7 @@ pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detecti
     let mut found = Vec::new();
     for component in components(&mask, image.width) {
         match Surface::new(component, &image, settings, SMALLEST_MEASURED)
-            .and_then(|surface| surface.measure(&mask, &image, settings).map_err(Some))
+            .and_then(|mut s| s.measure(&mask, &image, settings).map_err(Some))
         {
             Ok(measured) => found.push(measured),
             Err(rejected) => detection.rejected.extend(rejected),
@@ -69,7 +97,13 @@ fn is_usable(size: &BoxSize) -> bool {
         .all(|s| s.is_finite() && (0.02..5.0).contains(s))
 }
 
-fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Detection) {
+fn find_boxes(
+    image: &DepthImage,
+    settings: &VisionSettings,
+    detection: &mut Detection,
+    entered: &mut dyn FnMut(Stage),
+) {
+    entered(Stage::Pieces);
     let mask = surface_mask(image, &image.lone_holes(), settings.step);
     let smallest = settings
         .sizes
@@ -85,33 +119,56 @@ fn find_boxes(image: &DepthImage, settings: &VisionSettings, detection: &mut Det
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
+    entered(Stage::Outlines);
     // First every piece by itself, with its own direction.
-    surfaces.retain_mut(|surface| match surface.search(&mask, image, settings) {
-        Ok(boxes) => {
-            let explained: f64 = boxes.iter().map(|b| b.size.length * b.size.width).sum();
-            surface.solved = explained > 0.95 * surface.area;
-            found.extend(boxes);
-            true
+    surfaces.retain_mut(|surface| {
+        if let Some(single) = surface.single(&mask, image, settings) {
+            surface.solved = true;
+            found.push(single);
+            return true;
         }
-        Err(rejected) => {
-            detection.rejected.push(rejected);
-            false
+        match surface.search(&mask, image, settings) {
+            Ok(boxes) => {
+                found.extend(boxes);
+                true
+            }
+            Err(rejected) => {
+                detection.rejected.push(rejected);
+                false
+            }
         }
     });
+    entered(Stage::Coverings);
     // Then what is left together with its neighbours of the same height.
     for group in neighbours(&surfaces, &image.intrinsics, settings) {
-        if group.iter().all(|&s| surfaces[s].solved) {
+        let open: Vec<usize> = group
+            .iter()
+            .copied()
+            .filter(|&s| !surfaces[s].solved)
+            .collect();
+        if open.is_empty() {
+            continue;
+        }
+        if let [alone] = group[..] {
+            let more = surfaces[alone].cover(&mask, image, settings, &[], &mut detection.rejected);
+            found.extend(more);
             continue;
         }
         let mut whole = Component::default();
-        for &s in &group {
+        for &s in &open {
             whole.pixels += surfaces[s].component.pixels;
             whole.runs.extend(&surfaces[s].component.runs);
         }
         whole.runs.sort_by_key(|r| (r.row, r.first));
         match Surface::new(whole, image, settings, smallest) {
-            Ok(surface) => {
-                found.extend(surface.cover(&mask, image, settings, &mut detection.rejected));
+            Ok(mut surface) => {
+                let beside: Vec<DetectedBox> = found
+                    .iter()
+                    .filter(|b| surface.is_level_with(b, settings))
+                    .cloned()
+                    .collect();
+                let rejected = &mut detection.rejected;
+                found.extend(surface.cover(&mask, image, settings, &beside, rejected));
             }
             Err(rejected) => detection.rejected.extend(rejected),
         }

@@ -8,20 +8,25 @@ use crate::{RegionOfInterest, VisionSettings};
 const LARGEST_DEPTH: f32 = 60.0;
 
 /// A checked depth image.
-pub struct DepthImage {
+pub struct DepthImage<'a> {
     pub intrinsics: Intrinsics,
     pub width: usize,
     pub height: usize,
     /// Metres; 0 = invalid. Never NaN or negative.
-    pub depth: Vec<f32>,
+    pub depth: &'a [f32],
     /// 1 where the pixel is valid, in the depth range and in the region.
     pub in_region: Vec<u8>,
     pub window: Window,
     pub points_in_region: usize,
 }
 
-/// `None` when the frame contradicts itself (lengths, intrinsics) or is empty.
-pub fn gate(frame: &DepthFrame, settings: &VisionSettings) -> Option<DepthImage> {
+/// `None` when the frame contradicts itself (lengths, intrinsics) or is empty. `cleaned` holds the
+/// depths where the frame's own ones must be put right first.
+pub fn gate<'a>(
+    frame: &'a DepthFrame,
+    cleaned: &'a mut Vec<f32>,
+    settings: &VisionSettings,
+) -> Option<DepthImage<'a>> {
     let intrinsics = frame.intrinsics;
     let (width, height) = (intrinsics.width, intrinsics.height);
     let pixels = width.checked_mul(height)?;
@@ -35,28 +40,44 @@ pub fn gate(frame: &DepthFrame, settings: &VisionSettings) -> Option<DepthImage>
     {
         return None;
     }
-    let depth: Vec<f32> = frame
-        .depth
-        .iter()
-        .map(|&z| if z > 0.0 && z < LARGEST_DEPTH { z } else { 0.0 })
-        .collect();
-    let (near, far) = (
-        settings.min_depth.max(1e-3) as f32,
-        settings.max_depth as f32,
-    );
-    let mut in_region: Vec<u8> = depth
-        .iter()
-        .map(|&z| u8::from(z >= near && z <= far))
-        .collect();
+    let near = settings.min_depth.max(1e-3) as f32;
+    let far = (settings.max_depth as f32).min(LARGEST_DEPTH);
+    let mut in_region = vec![0u8; pixels];
+    let mut odd = 0u32;
+    let rows = frame.depth.chunks_exact(width);
+    for (row, inside) in rows.zip(in_region.chunks_exact_mut(width)) {
+        for (&z, inside) in row.iter().zip(inside) {
+            *inside = u8::from((z >= near) & (z <= far));
+            // Also true of NaN.
+            odd |= u32::from(!((z >= 0.0) & (z < LARGEST_DEPTH)));
+        }
+    }
+    let depth = if odd == 0 {
+        &frame.depth
+    } else {
+        cleaned.extend(
+            frame
+                .depth
+                .iter()
+                .map(|&z| if z > 0.0 && z < LARGEST_DEPTH { z } else { 0.0 }),
+        );
+        for (inside, &z) in in_region.iter_mut().zip(cleaned.iter()) {
+            *inside &= u8::from(z > 0.0);
+        }
+        cleaned
+    };
     let mut window = Window {
         rows: (0, height),
         columns: (0, width),
     };
     if let Some(region) = &settings.region {
         window = window_of(region, &intrinsics);
-        cut(&mut in_region, &depth, &intrinsics, region, &window);
+        cut(&mut in_region, depth, &intrinsics, region, &window);
     }
-    let points_in_region = in_region.iter().map(|&b| usize::from(b)).sum();
+    let points_in_region = in_region
+        .chunks(255)
+        .map(|chunk| usize::from(chunk.iter().sum::<u8>()))
+        .sum();
     Some(DepthImage {
         intrinsics,
         width,
@@ -147,7 +168,7 @@ pub struct Window {
     pub columns: (usize, usize),
 }
 
-impl DepthImage {
+impl DepthImage<'_> {
     /// Lone invalid pixels with the mean of their neighbours, which stands for them when surfaces are
     /// labelled. In order of their index. Gaps between cartons are lines of invalid pixels and stay.
     pub fn lone_holes(&self) -> Vec<(usize, f32)> {

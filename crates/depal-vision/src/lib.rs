@@ -70,6 +70,6 @@ mod steps;
 mod surface;
 mod verify;
 
-pub use detect::{detect, detect_any_size};
+pub use detect::{Stage, detect, detect_any_size, detect_staged};
 pub use detection::{DetectedBox, Detection, RejectReason, RejectedSurface};
 pub use settings::{RegionOfInterest, VisionSettings};

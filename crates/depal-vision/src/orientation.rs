@@ -1,11 +1,16 @@
 //! Stage 5: the main direction of an outline, modulo 90 degrees.
 
-use crate::{components::Component, gate::DepthImage, plane::PlaneFrame};
+use crate::{
+    components::{Component, each_zero},
+    gate::DepthImage,
+    plane::PlaneFrame,
+};
 
 /// Enough outline points for a sharp profile.
-const POINTS: usize = 800;
+const POINTS: usize = 500;
 
-/// Outline of a component in plane coordinates, thinned to about [`POINTS`] points.
+/// Outline of a component in plane coordinates, thinned to about [`POINTS`] points, and always with its
+/// outermost ones.
 pub fn outline(
     component: &Component,
     mask: &[u8],
@@ -13,26 +18,48 @@ pub fn outline(
     frame: &PlaneFrame,
 ) -> Vec<(f64, f64)> {
     let (w, h) = (image.width, image.height);
-    let mut pixels = Vec::new();
+    let mut pixels: Vec<(u32, u32)> = Vec::with_capacity(4 * component.runs.len());
+    let mut upper = Vec::new();
     for run in &component.runs {
-        for u in run.first..=run.last {
-            let i = run.row * w + u;
-            let inner = u > run.first
-                && u < run.last
-                && run.row > 0
-                && run.row + 1 < h
-                && mask[i - w] == 1
-                && mask[i + w] == 1;
-            if !inner {
-                pixels.push((u, run.row));
-            }
+        let row = run.row as u32;
+        pixels.push((run.first as u32, row));
+        if run.last == run.first {
+            continue;
         }
+        let inner = run.first + 1..run.last;
+        if run.row == 0 || run.row + 1 == h {
+            pixels.extend(inner.map(|u| (u as u32, row)));
+        } else {
+            let at = run.row * w;
+            upper.clear();
+            each_zero(&mask[at - w + inner.start..at - w + inner.end], |k| {
+                upper.push(k);
+            });
+            pixels.extend(upper.iter().map(|k| ((inner.start + k) as u32, row)));
+            each_zero(&mask[at + w + inner.start..at + w + inner.end], |k| {
+                if upper.binary_search(&k).is_err() {
+                    pixels.push(((inner.start + k) as u32, row));
+                }
+            });
+        }
+        pixels.push((run.last as u32, row));
     }
     let stride = pixels.len().div_ceil(POINTS).max(1);
-    pixels
+    let mut thinned: Vec<(u32, u32)> = pixels.iter().copied().step_by(stride).collect();
+    // What reaches farthest along the image's axes and diagonals bounds the surface.
+    let reach: [fn(&(u32, u32)) -> i64; 4] = [
+        |p| i64::from(p.0),
+        |p| i64::from(p.1),
+        |p| i64::from(p.0) + i64::from(p.1),
+        |p| i64::from(p.0) - i64::from(p.1),
+    ];
+    for along in reach {
+        thinned.extend(pixels.iter().max_by_key(|p| along(p)));
+        thinned.extend(pixels.iter().min_by_key(|p| along(p)));
+    }
+    thinned
         .iter()
-        .step_by(stride)
-        .map(|&(u, v)| frame.of_pixel(&image.intrinsics, u as f64, v as f64))
+        .map(|&(u, v)| frame.of_pixel(&image.intrinsics, f64::from(u), f64::from(v)))
         .collect()
 }
 
@@ -40,37 +67,42 @@ pub fn outline(
 /// the fewest bins of `bin` metres.
 pub fn main_direction(outline: &[(f64, f64)], bin: f64) -> f64 {
     let degree = 1f64.to_radians();
-    let coarse = best(outline, bin * 1.5, 0.0, 2.0 * degree, 22);
-    let fine = best(outline, bin, coarse, 0.5 * degree, 4);
-    let yaw = best(outline, bin * 0.5, fine, 0.1 * degree, 5);
+    let points: Vec<(f32, f32)> = outline.iter().map(|p| (p.0 as f32, p.1 as f32)).collect();
+    let thinned: Vec<(f32, f32)> = points.iter().copied().step_by(2).collect();
+    let coarse = best(&thinned, bin * 1.5, 0.0, 2.0 * degree, 22);
+    let fine = best(&points, bin, coarse, 0.5 * degree, 4);
+    let yaw = best(&points, bin * 0.5, fine, 0.1 * degree, 5);
     let quarter = std::f64::consts::FRAC_PI_2;
     yaw - (yaw / quarter).round() * quarter
 }
 
-fn best(outline: &[(f64, f64)], bin: f64, middle: f64, step: f64, reach: i32) -> f64 {
-    let radius = outline.iter().fold(0.0f64, |r, p| r.max(p.0.hypot(p.1)));
-    let half = (radius / bin).ceil().min(20_000.0) as usize + 2;
-    let mut bins = [vec![0u32; 2 * half], vec![0u32; 2 * half]];
+fn best(outline: &[(f32, f32)], bin: f64, middle: f64, step: f64, reach: i32) -> f64 {
+    let radius = outline.iter().fold(0.0f32, |r, p| r.max(p.0.hypot(p.1)));
+    let half = (f64::from(radius) / bin).ceil().min(20_000.0) as usize + 2;
+    let mut bins = vec![0u16; 4 * half];
+    let (first, second) = (half as f32, 3.0 * half as f32);
+    let last = 4 * half - 1;
     let mut winner = (0u64, middle);
     for k in -reach..=reach {
         let yaw = middle + f64::from(k) * step;
-        let (s, c) = yaw.sin_cos();
-        for b in &mut bins {
-            b.fill(0);
-        }
+        let (s, c) = (
+            (yaw.sin() / bin) as f32,
+            (yaw.cos() / bin) as f32,
+        );
+        bins.fill(0);
         for &(x, y) in outline {
-            let along = (((x * c + y * s) / bin).floor() + half as f64) as usize;
-            let across = (((y * c - x * s) / bin).floor() + half as f64) as usize;
-            bins[0][along.min(2 * half - 1)] += 1;
-            bins[1][across.min(2 * half - 1)] += 1;
+            // Shifted to the positive, where cutting off is floor.
+            let along = (x * c + y * s + first) as i32 as usize;
+            let across = (y * c - x * s + second) as i32 as usize;
+            bins[along.min(last)] += 1;
+            bins[across.min(last)] += 1;
         }
         let score = bins
             .iter()
-            .flatten()
-            .map(|&n| u64::from(n) * u64::from(n))
-            .sum();
-        if score > winner.0 {
-            winner = (score, yaw);
+            .map(|&n| u32::from(n) * u32::from(n))
+            .sum::<u32>();
+        if u64::from(score) > winner.0 {
+            winner = (u64::from(score), yaw);
         }
     }
     winner.1

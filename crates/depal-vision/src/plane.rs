@@ -19,30 +19,48 @@ pub fn fit_plane(
     if samples.len() < 12 {
         return None;
     }
+    let (per_fx, per_fy) = (1.0 / intrinsics.fx, 1.0 / intrinsics.fy);
+    // Ray (x, y, 1), depth and its inverse.
+    let rays: Vec<[f64; 4]> = samples
+        .iter()
+        .map(|&(u, v, z)| {
+            [
+                (u - intrinsics.cx) * per_fx,
+                (v - intrinsics.cy) * per_fy,
+                z,
+                1.0 / z,
+            ]
+        })
+        .collect();
     let mut plane: Option<Plane> = None;
     let mut rms = 0.0;
     for _ in 0..3 {
-        let mut normal = Matrix3::zeros();
+        let (mut xx, mut xy, mut yy, mut x1, mut y1) = (0.0, 0.0, 0.0, 0.0, 0.0);
         let mut right = Vector::zeros();
         let mut squares = 0.0;
         let mut count = 0.0;
-        for &(u, v, z) in samples {
-            let ray = intrinsics.ray(u, v);
-            if let Some(plane) = plane {
-                let error = z - plane.depth(&ray);
+        for &[x, y, z, inverse] in &rays {
+            if let Some(Plane { coefficient: c }) = plane {
+                // z minus the plane's depth there, to first order.
+                let error = (z * (c.x * x + c.y * y + c.z) - 1.0) * z;
                 if error.abs() > tolerance {
                     continue;
                 }
                 squares += error * error;
             }
             count += 1.0;
-            normal += ray * ray.transpose();
-            right += ray / z;
+            xx += x * x;
+            xy += x * y;
+            yy += y * y;
+            x1 += x;
+            y1 += y;
+            right += Vector::new(x, y, 1.0) * inverse;
         }
         if count < 12.0 {
             return None;
         }
         rms = (squares / count).sqrt();
+        let normal = Matrix3::new(xx, xy, x1, xy, yy, y1, x1, y1, count);
         let coefficient = normal.cholesky()?.solve(&right);
         if !coefficient.iter().all(|c| c.is_finite()) || coefficient.z <= 1e-6 {
             return None;

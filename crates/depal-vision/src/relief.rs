@@ -2,12 +2,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{gate::DepthImage, patch::Patch, search::Candidate};
-
-/// Side of a block whose heights are averaged, cells.
-pub const BLOCK: usize = 8;
-/// Samples along the side of a block.
-const SAMPLES: usize = 4;
+use crate::{
+    patch::{BLOCK, Patch},
+    search::Candidate,
+};
 
 /// Mean height of each block over the surface's plane, metres.
 pub struct Relief {
@@ -18,42 +16,19 @@ pub struct Relief {
 }
 
 impl Relief {
-    /// Averages what lies within `tolerance` of the patch's plane.
-    pub fn new(patch: &Patch, image: &DepthImage, tolerance: f64) -> Self {
-        const LEAST: usize = SAMPLES * SAMPLES / 2;
+    /// Averages the surface cells of each block.
+    pub fn new(patch: &Patch) -> Self {
+        const LEAST: u32 = (BLOCK * BLOCK / 2) as u32;
         let (columns, rows) = (patch.columns / BLOCK, patch.rows / BLOCK);
-        let k = &image.intrinsics;
-        let spacing = BLOCK as f64 / SAMPLES as f64;
-        let mut heights = Vec::with_capacity(columns * rows);
-        for j in 0..rows {
-            for i in 0..columns {
-                let (mut sum, mut count) = (0.0, 0);
-                for sample in 0..SAMPLES * SAMPLES {
-                    let cell = |block: usize, n: usize| {
-                        (block * BLOCK) as f64 + (n as f64 + 0.5) * spacing
-                    };
-                    let p = patch.frame.point(
-                        patch.left + cell(i, sample % SAMPLES) * patch.pitch,
-                        patch.bottom + cell(j, sample / SAMPLES) * patch.pitch,
-                    );
-                    let (u, v) = k.project(&p);
-                    let (u, v) = (u + 0.5, v + 0.5);
-                    let inside =
-                        u >= 0.0 && v >= 0.0 && u < image.width as f64 && v < image.height as f64;
-                    if !inside {
-                        continue;
-                    }
-                    let (u, v) = (u as usize, v as usize);
-                    let z = f64::from(image.depth[v * image.width + u]);
-                    let expected = patch.frame.plane.depth(&k.ray(u as f64, v as f64));
-                    if z > 0.0 && (z - expected).abs() <= tolerance {
-                        sum += expected - z;
-                        count += 1;
-                    }
-                }
-                heights.push((count >= LEAST).then(|| (sum / f64::from(count as u32)) as f32));
-            }
-        }
+        let heights = patch
+            .heights
+            .iter()
+            .enumerate()
+            .map(|(n, sum)| {
+                let count = patch.surface_cells_of_block(n % columns, n / columns);
+                (count >= LEAST).then(|| sum / count as f32)
+            })
+            .collect();
         Self {
             columns,
             rows,

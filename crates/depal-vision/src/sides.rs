@@ -4,7 +4,7 @@ use depal_frames::Intrinsics;
 
 use crate::{
     gate::DepthImage,
-    patch::{Class, pixel_pitch},
+    patch::pixel_pitch,
     plane::PlaneFrame,
 };
 
@@ -58,7 +58,7 @@ pub fn fit_rectangle(
     let mut frame = start;
     let mut sides = [SideFit::default(); 4];
     // Wide and sparse first, then narrow and dense.
-    for (reach, stride) in [(6.0, 3.0), (4.0, 2.0), (4.0, 1.0), (3.5, 1.0)] {
+    for (reach, stride) in [(6.0, 3.0), (4.0, 2.0), (3.5, 1.0)] {
         let lines = OUTWARD.map(|(axis, sign)| {
             scan(
                 image,
@@ -108,7 +108,6 @@ fn scan(
     tolerance: f64,
 ) -> ScanLines {
     let k: &Intrinsics = &image.intrinsics;
-    let pitch = pixel_pitch(frame, k);
     let (outward, tangent) = if axis == 0 {
         (frame.x * sign, frame.y * sign)
     } else {
@@ -116,52 +115,49 @@ fn scan(
     };
     let (half, length) = (extents[axis] / 2.0, extents[1 - axis] * 0.94);
     let lines = (length / stride).floor().max(1.0) as usize;
-    let steps = (2.0 * reach / (0.5 * pitch)).ceil() as usize;
     let mut crossings = Vec::with_capacity(lines);
+    let (width, height) = (image.width as f32, image.height as f32);
+    let tolerance = tolerance as f32;
     for line in 0..lines {
         let along = (line as f64 + 0.5) / lines as f64 * length - length / 2.0;
         let base = frame.origin + tangent * along;
-        let mut last: Option<(f64, f64)> = None;
-        // Along the line, numerators of u and v and the depth are affine.
-        let first = base + outward * (half - reach);
-        let next = outward * (0.5 * pitch);
-        let (u0, u1) = (
-            first.x * k.fx + first.z * k.cx,
-            next.x * k.fx + next.z * k.cx,
-        );
-        let (v0, v1) = (
-            first.y * k.fy + first.z * k.cy,
-            next.y * k.fy + next.z * k.cy,
-        );
-        for step in 0..=steps {
-            let s = step as f64;
-            let z = first.z + next.z * s;
-            let inverse = 1.0 / z;
-            let (u, v) = ((u0 + u1 * s) * inverse, (v0 + v1 * s) * inverse);
-            // Truncation is floor here: negative pixels are outside and end the line.
-            let pixel = (((u + 0.5) as i64) as f64, ((v + 0.5) as i64) as f64);
-            if last == Some(pixel) {
+        let ends = [half - reach, half + reach].map(|at| base + outward * at);
+        let [(u0, v0), (u1, v1)] = ends.map(|p| k.project(&p));
+        // From pixel to pixel along the longer axis; so short a line is straight in depth, too.
+        let count = (u1 - u0).abs().max((v1 - v0).abs()).ceil().clamp(1.0, 1e4);
+        let per = 1.0 / count;
+        let (du, dv) = (((u1 - u0) * per) as f32, ((v1 - v0) * per) as f32);
+        let dz = ((ends[1].z - ends[0].z) * per) as f32;
+        // Half a pixel added: cutting off rounds to the nearest.
+        let (u0, v0, z0) = ((u0 + 0.5) as f32, (v0 + 0.5) as f32, ends[0].z as f32);
+        let mut last: Option<(i32, i32)> = None;
+        for step in 0..=count as i32 {
+            let s = step as f32;
+            let (u, v, expected) = (u0 + du * s, v0 + dv * s, z0 + dz * s);
+            // Also refuses NaN.
+            let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
+            if !inside {
+                break;
+            }
+            let (u, v) = (u as i32, v as i32);
+            let z = image.depth[v as usize * image.width + u as usize];
+            if z != 0.0 && (z - expected).abs() <= tolerance {
+                last = Some((u, v));
                 continue;
             }
-            match image.class(u, v, z, tolerance) {
-                Class::On => last = Some(pixel),
-                Class::Near | Class::Outside => break,
-                Class::Deep | Class::Hole => {
-                    if let Some(inner) = last {
-                        // Half way between the centres of the last surface pixel and this one.
-                        let middle = (
-                            f64::midpoint(inner.0, pixel.0),
-                            f64::midpoint(inner.1, pixel.1),
-                        );
-                        let at = frame.plane.meet(&k.ray(middle.0, middle.1)) - frame.origin;
-                        crossings.push(Crossing {
-                            along: at.dot(&tangent),
-                            beyond: at.dot(&outward) - half,
-                        });
-                    }
-                    break;
-                }
+            if let Some(inner) = last
+                && (z == 0.0 || z > expected)
+            {
+                // Half way between the centres of the last surface pixel and this one.
+                let middle = |a: i32, b: i32| f64::from(a + b) / 2.0;
+                let ray = k.ray(middle(inner.0, u), middle(inner.1, v));
+                let at = frame.plane.meet(&ray) - frame.origin;
+                crossings.push(Crossing {
+                    along: at.dot(&tangent),
+                    beyond: at.dot(&outward) - half,
+                });
             }
+            break;
         }
     }
     ScanLines { crossings, lines }

@@ -1,6 +1,6 @@
 //! One flat surface: its plane, its direction, and the cartons on it.
 
-use depal_frames::Intrinsics;
+use depal_frames::{Intrinsics, Point, Vector};
 
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
@@ -9,7 +9,7 @@ use crate::{
     gate::DepthImage,
     measure::measure_whole,
     orientation::{main_direction, outline},
-    patch::{Class, Patch, pixel_pitch},
+    patch::{Blank, Class, Grid, Patch, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
     search::{Candidate, extents, search},
     sides::fit_rectangle,
@@ -30,6 +30,23 @@ pub struct Surface {
     pub area: f64,
     /// All of it belongs to found boxes.
     pub solved: bool,
+    bounds: Option<Bounds>,
+    searched: Option<Searched>,
+}
+
+/// Main direction of an outline (radians) and its ranges along that and across it, metres.
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    yaw: f64,
+    x: [f64; 2],
+    y: [f64; 2],
+}
+
+/// A patch and the boxes whose outline was found on it.
+struct Searched {
+    patch: Patch,
+    fixed: Vec<Candidate>,
+    boxes: Vec<DetectedBox>,
 }
 
 impl Surface {
@@ -42,8 +59,9 @@ impl Surface {
     ) -> Result<Self, Option<RejectedSurface>> {
         const LEAST_PART: f64 = 0.25;
         let k = &image.intrinsics;
-        let stride = (component.pixels / 4000).max(1);
-        let mut samples = Vec::with_capacity(4200);
+        let wanted = 500 + component.pixels / 200;
+        let stride = (component.pixels / wanted.min(4000)).max(1);
+        let mut samples = Vec::with_capacity(2 * wanted.min(4000));
         let mut skip = stride / 2;
         for run in &component.runs {
             let length = run.last - run.first + 1;
@@ -89,7 +107,15 @@ impl Surface {
             frame,
             area,
             solved: false,
+            bounds: None,
+            searched: None,
         })
+    }
+
+    /// True when the middle of a found box lies on this plane.
+    pub fn is_level_with(&self, found: &DetectedBox, settings: &VisionSettings) -> bool {
+        let middle = found.camera_from_box.translation.vector;
+        (self.frame.plane.depth(&(middle / middle.z)) - middle.z).abs() < settings.plane_tolerance
     }
 
     fn rejected(&self, reason: RejectReason) -> RejectedSurface {
@@ -122,13 +148,16 @@ impl Surface {
             || apart(at(left.first, left.row), at(right.last, right.row))
     }
 
-    /// Resampled along its main direction.
-    fn patch(
-        &self,
+    /// Direction and size; `Err` when this is background.
+    fn bounds(
+        &mut self,
         mask: &[u8],
         image: &DepthImage,
         settings: &VisionSettings,
-    ) -> Result<Patch, RejectedSurface> {
+    ) -> Result<Bounds, RejectedSurface> {
+        if let Some(bounds) = self.bounds {
+            return Ok(bounds);
+        }
         if self.spans_more_than(image, settings.max_surface_side * std::f64::consts::SQRT_2) {
             return Err(self.rejected(RejectReason::Background));
         }
@@ -145,62 +174,159 @@ impl Surface {
         if (x[1] - x[0]).max(y[1] - y[0]) > settings.max_surface_side {
             return Err(self.rejected(RejectReason::Background));
         }
-        let x = [x[0] - MARGIN, x[1] + MARGIN];
-        let y = [y[0] - MARGIN, y[1] + MARGIN];
+        let bounds = Bounds { yaw, x, y };
+        self.bounds = Some(bounds);
+        Ok(bounds)
+    }
+
+    /// Resampled along its main direction.
+    fn patch(
+        &mut self,
+        mask: &[u8],
+        image: &DepthImage,
+        settings: &VisionSettings,
+        found: &[DetectedBox],
+    ) -> Result<Patch, RejectedSurface> {
+        let bounds = self.bounds(mask, image, settings)?;
+        let frame = self.frame.turned(bounds.yaw);
+        let grid = Grid {
+            frame,
+            x: [bounds.x[0] - MARGIN, bounds.x[1] + MARGIN],
+            y: [bounds.y[0] - MARGIN, bounds.y[1] + MARGIN],
+            pitch: pixel_pitch(&self.frame, &image.intrinsics),
+        };
+        let blanks: Vec<Blank> = found.iter().map(|b| blank(b, &frame)).collect();
         Ok(Patch::new(
             image,
-            self.frame.turned(yaw),
-            x,
-            y,
-            pitch,
+            &grid,
+            &blanks,
             settings.plane_tolerance,
         ))
     }
 
+    /// The one carton of a known size that this piece plainly is: its outline fills a rectangle of that
+    /// size, and nothing runs through it. `None` says nothing: then [`Surface::search`] must look closely.
+    pub fn single(
+        &mut self,
+        mask: &[u8],
+        image: &DepthImage,
+        settings: &VisionSettings,
+    ) -> Option<DetectedBox> {
+        /// Share of the rectangle that must be mask.
+        const FILLED: f64 = 0.93;
+        /// The mask ends two pixels inside the border, and counts whole pixels.
+        const BORDER: f64 = 5.0;
+        const SLACK_PIXELS: f64 = 2.5;
+        let bounds = self.bounds(mask, image, settings).ok()?;
+        let pitch = pixel_pitch(&self.frame, &image.intrinsics);
+        let range = [bounds.x[1] - bounds.x[0], bounds.y[1] - bounds.y[0]];
+        let allowed = settings.size_tolerance + SLACK_PIXELS * pitch;
+        let misfit = |label: usize, turned: bool| {
+            let sides = extents(&settings.sizes[label], turned);
+            (0..2).fold(0.0f64, |worst, k| {
+                worst.max((range[k] + BORDER * pitch - sides[k]).abs())
+            })
+        };
+        let (label, turned) = (0..settings.sizes.len())
+            .flat_map(|label| [(label, false), (label, true)])
+            .filter(|&(label, turned)| misfit(label, turned) <= allowed)
+            .min_by(|a, b| misfit(a.0, a.1).total_cmp(&misfit(b.0, b.1)))?;
+        if self.area < FILLED * (range[0] + pitch) * (range[1] + pitch) {
+            return None;
+        }
+        let frame = self.frame.turned(bounds.yaw);
+        let start = PlaneFrame {
+            origin: frame.point(
+                f64::midpoint(bounds.x[0], bounds.x[1]),
+                f64::midpoint(bounds.y[0], bounds.y[1]),
+            ),
+            ..frame
+        };
+        if !is_even(mask, image, &start, range, pitch) {
+            return None;
+        }
+        let found = verify(
+            image,
+            settings,
+            start,
+            label as u32,
+            turned,
+            Proof::Outline,
+        )
+        .ok()?;
+        (found.proven_sides == 4).then_some(found)
+    }
+
     /// Boxes whose outline can be seen; `Err` when this is background.
     pub fn search(
-        &self,
+        &mut self,
         mask: &[u8],
         image: &DepthImage,
         settings: &VisionSettings,
     ) -> Result<Vec<DetectedBox>, RejectedSurface> {
-        let patch = self.patch(mask, image, settings)?;
-        Ok(outlined(&patch, image, settings, &mut Vec::new()).1)
+        let patch = self.patch(mask, image, settings, &[])?;
+        let (fixed, boxes) = outlined(&patch, image, settings, &mut Vec::new());
+        let explained: f64 = boxes.iter().map(|b| b.size.length * b.size.width).sum();
+        self.solved = explained > 0.95 * self.area;
+        if !self.solved {
+            self.searched = Some(Searched {
+                patch,
+                fixed,
+                boxes: boxes.clone(),
+            });
+        }
+        Ok(boxes)
     }
 
     /// The carton of unknown size that this surface is.
     pub fn measure(
-        &self,
+        &mut self,
         mask: &[u8],
         image: &DepthImage,
         settings: &VisionSettings,
     ) -> Result<DetectedBox, RejectedSurface> {
-        let patch = self.patch(mask, image, settings)?;
+        let patch = self.patch(mask, image, settings, &[])?;
         measure_whole(&patch, image, settings, self.area, MARGIN)
     }
 
-    /// Boxes whose outline can be seen, and those that follow from covering the rest.
+    /// Boxes whose outline can be seen, and those that follow from covering the rest. `beside`: those
+    /// already found on the same level, which are no part of it.
     pub fn cover(
-        &self,
+        &mut self,
         mask: &[u8],
         image: &DepthImage,
         settings: &VisionSettings,
+        beside: &[DetectedBox],
         rejected: &mut Vec<RejectedSurface>,
     ) -> Vec<DetectedBox> {
-        let patch = match self.patch(mask, image, settings) {
-            Ok(patch) => patch,
-            Err(background) => {
-                rejected.push(background);
-                return Vec::new();
-            }
+        let Searched {
+            patch,
+            fixed,
+            mut boxes,
+        } = match self.searched.take() {
+            Some(searched) => searched,
+            None => match self.patch(mask, image, settings, beside) {
+                Ok(patch) => {
+                    let (fixed, boxes) = outlined(&patch, image, settings, rejected);
+                    Searched {
+                        patch,
+                        fixed,
+                        boxes,
+                    }
+                }
+                Err(background) => {
+                    rejected.push(background);
+                    return Vec::new();
+                }
+            },
         };
-        let (fixed, mut boxes) = outlined(&patch, image, settings, rejected);
+        let labels: Vec<u32> = beside.iter().map(|b| b.label).collect();
         let Some(arrangement) = arrange(
             &patch,
-            image,
             settings.plane_tolerance,
             &settings.sizes,
             &fixed,
+            &labels,
         ) else {
             if boxes.is_empty() {
                 rejected.push(self.rejected(RejectReason::NoKnownSize));
@@ -234,8 +360,9 @@ impl Surface {
         }
         // A box in the middle has no side of its own to show; those around it must have theirs.
         let proven = |b: &DetectedBox| b.proven_sides > 0;
-        let around = arranged.iter().chain(&boxes).filter(|b| proven(b)).count();
-        let enclosed = arrangement.unique && 2 * around >= arranged.len() + boxes.len();
+        let all = || arranged.iter().chain(&boxes).chain(beside);
+        let around = all().filter(|b| proven(b)).count();
+        let enclosed = arrangement.unique && 2 * around >= all().count();
         for found in arranged {
             if proven(&found) || enclosed {
                 boxes.push(found);
@@ -248,6 +375,75 @@ impl Surface {
             }
         }
         boxes
+    }
+}
+
+/// True when no line of more than a few holes runs through the rectangle of a piece's mask (`range`
+/// metres, middle and axes as in `frame`): a seam leaves one, also where it was bridged.
+fn is_even(
+    mask: &[u8],
+    image: &DepthImage,
+    frame: &PlaneFrame,
+    range: [f64; 2],
+    pitch: f64,
+) -> bool {
+    /// Every fourth line is looked at, pixel by pixel.
+    const STRIDE: f64 = 4.0;
+    /// Cells left out at the rim.
+    const RIM: f64 = 4.0;
+    /// A seam shows holes on a tenth of its length, and each tears the mask over five pixels.
+    const MOST: f64 = 0.15;
+    let k = &image.intrinsics;
+    let inner = range.map(|r| r - 2.0 * RIM * pitch);
+    for axis in 0..2 {
+        let across = 1 - axis;
+        let cells = (inner[axis] / pitch).floor().max(1.0) as usize;
+        let lines = (inner[across] / (STRIDE * pitch)).floor().max(1.0) as usize;
+        let mut holes = vec![0u16; cells];
+        let (along, beside) = if axis == 0 {
+            (frame.x, frame.y)
+        } else {
+            (frame.y, frame.x)
+        };
+        for line in 0..lines {
+            let at = ((line as f64 + 0.5) / lines as f64 - 0.5) * inner[across];
+            let ends = [-0.5, 0.5].map(|end| {
+                k.project(&(frame.origin + along * (inner[axis] * end) + beside * at))
+            });
+            // A tenth of a pixel of perspective matters little here.
+            let per = 1.0 / cells as f64;
+            let (du, dv) = (
+                ((ends[1].0 - ends[0].0) * per) as f32,
+                ((ends[1].1 - ends[0].1) * per) as f32,
+            );
+            let (u0, v0) = ((ends[0].0 + 0.5) as f32, (ends[0].1 + 0.5) as f32);
+            for (cell, holes) in holes.iter_mut().enumerate() {
+                let s = cell as i32 as f32 + 0.5;
+                let (u, v) = ((u0 + du * s) as i32, (v0 + dv * s) as i32);
+                let (u, v) = (
+                    (u.max(0) as usize).min(image.width - 1),
+                    (v.max(0) as usize).min(image.height - 1),
+                );
+                *holes += u16::from(1 - mask[v * image.width + u]);
+            }
+        }
+        let most = (MOST * lines as f64).max(1.0) as u16;
+        if holes.iter().any(|&h| h > most) {
+            return false;
+        }
+    }
+    true
+}
+
+/// A found box as a rectangle in the axes of a patch's frame.
+fn blank(found: &DetectedBox, frame: &PlaneFrame) -> Blank {
+    let pose = &found.camera_from_box;
+    let offset = Point::from(pose.translation.vector) - frame.origin;
+    let x = pose.rotation * Vector::x();
+    Blank {
+        middle: [offset.dot(&frame.x), offset.dot(&frame.y)],
+        half: [found.size.length / 2.0, found.size.width / 2.0],
+        turn: x.dot(&frame.y).atan2(x.dot(&frame.x)),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Stage 9: from a candidate rectangle to a reported carton, or the reason why not.
 
-use depal_frames::{BoxSize, Point, Pose, Rotation};
+use depal_frames::{BoxSize, Pose, Rotation};
 use nalgebra::{Matrix3, Rotation3, Translation3};
 
 use crate::{
@@ -106,7 +106,7 @@ fn check(
     if seen.share(Class::Deep) > 0.01 || seen.share(Class::On) < settings.min_visible {
         return Err(RejectReason::NoKnownSize);
     }
-    if is_covered(image, &fit.frame, extents, tolerance) {
+    if seen.is_covered(image, &fit.frame, extents) {
         return Err(RejectReason::Covered);
     }
     let tilt = (-fit
@@ -157,15 +157,38 @@ fn pose(fit: &RectangleFit, turned: bool) -> Pose {
     )
 }
 
+/// What a rectangle on a plane shows.
 struct Look {
     /// (u, v, z) of the surface pixels.
     surface: Vec<(f64, f64, f64)>,
+    /// The same of pixels in front of the plane.
+    near: Vec<(f64, f64, f64)>,
     counts: [usize; 5],
 }
 
 impl Look {
+    fn samples(&self) -> usize {
+        self.counts.iter().sum()
+    }
+
     fn share(&self, class: Class) -> f64 {
-        self.counts[class as usize] as f64 / self.counts.iter().sum::<usize>().max(1) as f64
+        self.counts[class as usize] as f64 / self.samples().max(1) as f64
+    }
+
+    /// True when points in front of the plane stand inside the rectangle once they are put down on it
+    /// along the normal. A taller neighbour in the line of sight stands outside and only hides.
+    fn is_covered(&self, image: &DepthImage, frame: &PlaneFrame, extents: [f64; 2]) -> bool {
+        const MARGIN: f64 = 0.010;
+        let over = self
+            .near
+            .iter()
+            .filter(|&&(u, v, z)| {
+                let from_middle = image.intrinsics.deproject(u, v, z) - frame.origin;
+                from_middle.dot(&frame.x).abs() < extents[0] / 2.0 - MARGIN
+                    && from_middle.dot(&frame.y).abs() < extents[1] / 2.0 - MARGIN
+            })
+            .count();
+        over * 400 > self.samples()
     }
 }
 
@@ -177,57 +200,60 @@ fn look(
     tolerance: f64,
     margin: f64,
 ) -> Look {
+    /// Distance of the samples, pixels.
+    const SPACING: f64 = 4.0;
     let k = &image.intrinsics;
-    let spacing = (3.0 * pixel_pitch(frame, k)).max(1e-4);
-    let [nx, ny] = extents.map(|e| ((e - 2.0 * margin) / spacing).floor().max(1.0) as usize);
+    let spacing = (SPACING * pixel_pitch(frame, k)).max(1e-4);
+    let inner = extents.map(|e| e - 2.0 * margin);
+    let [nx, ny] = inner.map(|e| (e / spacing).floor().max(1.0) as usize);
     let mut result = Look {
         surface: Vec::with_capacity(nx * ny),
+        near: Vec::new(),
         counts: [0; 5],
     };
+    let (width, height, tolerance) = (image.width as f32, image.height as f32, tolerance as f32);
     for j in 0..ny {
-        let y = ((j as f64 + 0.5) / ny as f64 - 0.5) * (extents[1] - 2.0 * margin);
+        let y = ((j as f64 + 0.5) / ny as f64 - 0.5) * inner[1];
+        let first = frame.point((0.5 / nx as f64 - 0.5) * inner[0], y);
+        let step = frame.x * (inner[0] / nx as f64);
+        // Numerators of u and v with half a pixel added, so that cutting off rounds to the nearest.
+        let affine = |x: f64, z: f64, f: f64, c: f64| (x * f + z * (c + 0.5)) as f32;
+        let (u0, u1) = (
+            affine(first.x, first.z, k.fx, k.cx),
+            affine(step.x, step.z, k.fx, k.cx),
+        );
+        let (v0, v1) = (
+            affine(first.y, first.z, k.fy, k.cy),
+            affine(step.y, step.z, k.fy, k.cy),
+        );
+        let (z0, z1) = (first.z as f32, step.z as f32);
         for i in 0..nx {
-            let x = ((i as f64 + 0.5) / nx as f64 - 0.5) * (extents[0] - 2.0 * margin);
-            let p = frame.point(x, y);
-            let (u, v) = k.project(&p);
-            let class = image.class(u, v, p.z, tolerance);
-            result.counts[class as usize] += 1;
-            if class == Class::On {
-                let (u, v) = (((u + 0.5) as i64) as f64, ((v + 0.5) as i64) as f64);
-                let z = f64::from(image.depth[v as usize * image.width + u as usize]);
-                result.surface.push((u, v, z));
+            let i = i as i32 as f32;
+            let expected = z0 + z1 * i;
+            let inverse = 1.0 / expected;
+            let (u, v) = ((u0 + u1 * i) * inverse, (v0 + v1 * i) * inverse);
+            // Also refuses NaN.
+            let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
+            if !inside {
+                result.counts[Class::Outside as usize] += 1;
+                continue;
             }
+            let (u, v) = (u as i32, v as i32);
+            let z = image.depth[v as usize * image.width + u as usize];
+            let here = || (f64::from(u), f64::from(v), f64::from(z));
+            let class = if z == 0.0 {
+                Class::Hole
+            } else if z > expected + tolerance {
+                Class::Deep
+            } else if z < expected - tolerance {
+                result.near.push(here());
+                Class::Near
+            } else {
+                result.surface.push(here());
+                Class::On
+            };
+            result.counts[class as usize] += 1;
         }
     }
     result
-}
-
-/// True when points in front of the plane stand inside the rectangle once they are put down on it
-/// along the normal. A taller neighbour in the line of sight stands outside and only hides.
-fn is_covered(image: &DepthImage, frame: &PlaneFrame, extents: [f64; 2], tolerance: f64) -> bool {
-    const MARGIN: f64 = 0.010;
-    let k = &image.intrinsics;
-    let spacing = 2.0 * pixel_pitch(frame, k);
-    let [nx, ny] = extents.map(|e| (e / spacing).floor().max(1.0) as usize);
-    let mut over = 0;
-    for j in 0..ny {
-        let y = ((j as f64 + 0.5) / ny as f64 - 0.5) * extents[1];
-        for i in 0..nx {
-            let x = ((i as f64 + 0.5) / nx as f64 - 0.5) * extents[0];
-            let p = frame.point(x, y);
-            let (u, v) = k.project(&p);
-            if image.class(u, v, p.z, tolerance) != Class::Near {
-                continue;
-            }
-            let (u, v) = (((u + 0.5) as i64) as f64, ((v + 0.5) as i64) as f64);
-            let z = f64::from(image.depth[v as usize * image.width + u as usize]);
-            let from_middle: nalgebra::Vector3<f64> =
-                k.deproject(u, v, z) - Point::from(frame.origin.coords);
-            over += usize::from(
-                from_middle.dot(&frame.x).abs() < extents[0] / 2.0 - MARGIN
-                    && from_middle.dot(&frame.y).abs() < extents[1] / 2.0 - MARGIN,
-            );
-        }
-    }
-    over * 400 > nx * ny
 }

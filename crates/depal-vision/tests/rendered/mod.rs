@@ -25,6 +25,12 @@ pub enum Layout {
     Brick,
     Pinwheel,
     Mixed,
+    /// 4 x 5.
+    Regular20,
+    /// Rows of four lying and six standing cartons in turn.
+    Brick20,
+    /// Four pinwheels of four, and a column of five.
+    Pinwheel21,
 }
 
 impl Layout {
@@ -54,13 +60,38 @@ impl Layout {
                 [300.0, 300.0, 300.0, 200.0],
                 [600.0, 300.0, 200.0, 300.0],
             ],
+            Self::Regular20 => (0..5)
+                .flat_map(|j| row(200.0 * f64::from(j), 0.0, 4, 300.0, 200.0))
+                .collect(),
+            Self::Brick20 => row(0.0, 0.0, 4, 300.0, 200.0)
+                .chain(row(200.0, 0.0, 6, 200.0, 300.0))
+                .chain(row(500.0, 0.0, 4, 300.0, 200.0))
+                .chain(row(700.0, 0.0, 6, 200.0, 300.0))
+                .collect(),
+            Self::Pinwheel21 => {
+                let wheel = |x: f64, y: f64| {
+                    [
+                        [x, y, 300.0, 200.0],
+                        [x + 300.0, y, 200.0, 300.0],
+                        [x + 200.0, y + 300.0, 300.0, 200.0],
+                        [x, y + 200.0, 200.0, 300.0],
+                    ]
+                };
+                [[0.0, 0.0], [500.0, 0.0], [0.0, 500.0], [500.0, 500.0]]
+                    .into_iter()
+                    .flat_map(|[x, y]| wheel(x, y))
+                    .chain((0..5).map(|n| [1000.0, 200.0 * f64::from(n), 300.0, 200.0]))
+                    .collect()
+            }
         }
     }
 
     pub fn sizes(self) -> Vec<BoxSize> {
         let mm = |l, w| BoxSize::from_mm([l, w, 200.0]);
         match self {
-            Self::Regular => vec![mm(300.0, 200.0)],
+            Self::Regular | Self::Regular20 | Self::Brick20 | Self::Pinwheel21 => {
+                vec![mm(300.0, 200.0)]
+            }
             Self::Brick | Self::Pinwheel => vec![mm(400.0, 300.0)],
             Self::Mixed => vec![mm(400.0, 300.0), mm(300.0, 200.0)],
         }
@@ -81,17 +112,35 @@ pub fn layer(layout: Layout, gap: f64, top: f64, seed: u64) -> Vec<Carton> {
     let turn = r.uniform(-0.01, 0.01);
     let shift = [r.uniform(-0.02, 0.02), r.uniform(-0.02, 0.02)];
     let (s, c) = turn.sin_cos();
-    let steps = |at: f64| (at / 250.0).round();
+    // Gaps that lie before a carton: as many as cartons before it in its row or column.
+    let before = |k: usize, rectangle: &[f64; 4]| {
+        let mut at = rectangle[k];
+        let mut gaps = 0.0;
+        while at > 1.0 {
+            let Some(r) = rectangles.iter().find(|r| {
+                let across = 1 - k;
+                (r[k] + r[k + 2] - at).abs() < 1.0
+                    && r[across] < rectangle[across] + rectangle[across + 2] - 1.0
+                    && rectangle[across] < r[across] + r[across + 2] - 1.0
+            }) else {
+                gaps += (at / 250.0).round();
+                break;
+            };
+            at = r[k];
+            gaps += 1.0;
+        }
+        gaps
+    };
     rectangles
         .iter()
         .map(|rectangle| {
             let free = f64::from(u8::from(gap >= 0.002));
             let jitter = (gap * 0.15).min(0.001) * free;
             let x = (rectangle[0] + rectangle[2] / 2.0 - width / 2.0) * 1e-3
-                + gap * steps(rectangle[0])
+                + gap * before(0, rectangle)
                 + r.uniform(-jitter, jitter);
             let y = (rectangle[1] + rectangle[3] / 2.0 - depth / 2.0) * 1e-3
-                + gap * steps(rectangle[1])
+                + gap * before(1, rectangle)
                 + r.uniform(-jitter, jitter);
             let turned = rectangle[3] > rectangle[2];
             let (long, short) = (
