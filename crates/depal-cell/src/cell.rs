@@ -562,8 +562,8 @@ fn check_wiring(spec: &CellSpec, controller: &Controller) -> Result<(), CellErro
     let missing = |signal: &String| CellError::Wiring {
         signal: signal.clone(),
     };
-    for group in &spec.wiring.groups {
-        controller.output(group).map_err(|_| missing(group))?;
+    for output in spec.wiring.sections.names() {
+        controller.output(output).map_err(|_| missing(output))?;
     }
     let input = &spec.wiring.vacuum_ok;
     controller.signal(input).map_err(|_| missing(input))?;

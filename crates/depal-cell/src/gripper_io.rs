@@ -1,25 +1,31 @@
-//! Bits of the cabinet's group outputs to valves of the gripper's sections.
+//! The cabinet's outputs to valves of the gripper's sections.
 
 use depal_controller::Controller;
 use depal_gripper::GripperSpec;
 
-use crate::spec::GripperWiring;
+use crate::spec::{GripperWiring, SectionSignals};
 
-/// One valve command per section: digital output `d` is bit `d % 16` of group output `d / 16`.
-/// A section whose output lies in no wired group stays closed.
+/// One valve command per section. A section that no output is wired to stays closed.
 pub(crate) fn valves(
     gripper: &GripperSpec,
     wiring: &GripperWiring,
     controller: &Controller,
 ) -> Vec<bool> {
-    let bit = |digital_output: u16| {
-        let group = wiring.groups.get(usize::from(digital_output / 16))?;
-        let value = controller.output(group).ok()? as u32;
-        Some(value >> (digital_output % 16) & 1 == 1)
+    let is_on = |place: usize, digital_output: u16| match &wiring.sections {
+        SectionSignals::Groups(groups) => {
+            let group = groups.get(usize::from(digital_output / 16))?;
+            let value = controller.output(group).ok()? as u32;
+            Some(value >> (digital_output % 16) & 1 == 1)
+        }
+        SectionSignals::Single(outputs) => {
+            let value = controller.output(outputs.get(place)?).ok()?;
+            Some(value != 0.0)
+        }
     };
     gripper
         .sections
         .iter()
-        .map(|section| bit(section.digital_output).unwrap_or(false))
+        .enumerate()
+        .map(|(place, section)| is_on(place, section.digital_output).unwrap_or(false))
         .collect()
 }

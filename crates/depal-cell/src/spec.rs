@@ -146,10 +146,28 @@ pub struct PlcPort {
 /// Signals between cabinet and gripper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GripperWiring {
-    /// Group outputs of 16 bits; digital output `d` of a section is bit `d % 16` of group `d / 16`.
-    pub groups: Vec<String>,
+    /// What switches the sections.
+    pub sections: SectionSignals,
     /// Digital input: every switched-on section holds vacuum.
     pub vacuum_ok: String,
+}
+
+/// The outputs of the cabinet that switch the gripper's sections.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SectionSignals {
+    /// Group outputs of 16 bits; digital output `d` of a section is bit `d % 16` of group `d / 16`.
+    Groups(Vec<String>),
+    /// One digital output for each section, in the order of the sections.
+    Single(Vec<String>),
+}
+
+impl SectionSignals {
+    /// The names of all outputs.
+    pub fn names(&self) -> &[String] {
+        match self {
+            Self::Groups(names) | Self::Single(names) => names,
+        }
+    }
 }
 
 /// How long things take, in simulated time, whatever the computer needs for them.

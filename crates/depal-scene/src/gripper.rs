@@ -95,7 +95,8 @@ section! {
         /// Share of the vacuum that a zone loses when all its cups are open; one of n cups costs an n-th of it.
         /// Default 0.9: flow resistors in the cups keep the rest.
         open_cup_loss: f64, SHARE, default(0.9);
-        /// Name of the robot's group output that switches the zones, one bit each.
+        /// Name of the robot's group output that switches the zones, one bit each; or, with a # in place of
+        /// `digital_output`, of the outputs that switch one zone each, as in DO[#].
         /// Default GO_GRIPPER: one of the robot's default signals.
         sections_signal: String, Text, default("GO_GRIPPER".to_owned());
         /// Name of the robot's digital input that the vacuum switch drives.
@@ -103,6 +104,20 @@ section! {
         vacuum_signal: String, Text, default("DI_VACUUM".to_owned());
     }
     check check_gripper;
+}
+
+impl Gripper {
+    /// The outputs that switch one section each, if that is how the gripper is wired.
+    pub(crate) fn single_outputs(&self) -> Option<Vec<String>> {
+        let pattern = &self.sections_signal;
+        let name = |section: &GripperSection| {
+            let number = section.digital_output.to_string();
+            pattern.replace('#', &number)
+        };
+        pattern
+            .contains('#')
+            .then(|| self.section.iter().map(name).collect())
+    }
 }
 
 fn check_gripper(gripper: &Gripper, checker: &mut Checker<'_, '_>) {

@@ -93,29 +93,7 @@ fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
             .map(|signal| (signal.kind, signal.bits))
             .next()
     };
-    let zones = scene.gripper.section.len();
-    let name = &scene.gripper.sections_signal;
-    match signal(name) {
-        Some((SignalKind::GroupOutput, bits)) if bits as usize >= zones => {}
-        Some((SignalKind::GroupOutput, bits)) => checker.problem(
-            "gripper.sections_signal",
-            format!("expected {zones} bits, one for each section, found {bits} in {name:?}"),
-            None,
-        ),
-        Some((kind, _)) => checker.problem(
-            "gripper.sections_signal",
-            format!(
-                "expected a signal of kind go, found {name:?} of kind {}",
-                kind.word()
-            ),
-            None,
-        ),
-        None => checker.problem(
-            "gripper.sections_signal",
-            format!("expected one of the robot's signals, found {name:?}"),
-            Some("add it as a [[robot.signal]]"),
-        ),
-    }
+    check_section_signals(scene, checker);
     let name = &scene.gripper.vacuum_signal;
     match signal(name) {
         Some((SignalKind::DigitalInput, _)) => {}
@@ -194,6 +172,42 @@ fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
             format!("expected at most the {most} cartons of the pallet, found {least}"),
             None,
         );
+    }
+}
+
+/// The outputs that switch the sections: bits of a group, or one for each.
+fn check_section_signals(scene: &Scene, checker: &mut Checker<'_, '_>) {
+    let key = "gripper.sections_signal";
+    let gripper = &scene.gripper;
+    let zones = gripper.section.len();
+    let names = gripper.single_outputs();
+    let is_single = names.is_some();
+    for name in names.unwrap_or_else(|| vec![gripper.sections_signal.clone()]) {
+        let mut signals = scene.robot.signal.iter();
+        let found = signals.find(|signal| signal.name.eq_ignore_ascii_case(&name));
+        match found.map(|signal| (signal.kind, signal.bits)) {
+            Some((SignalKind::DigitalOutput, _)) if is_single => {}
+            Some((SignalKind::GroupOutput, bits)) if !is_single && bits as usize >= zones => {}
+            Some((SignalKind::GroupOutput, bits)) if !is_single => checker.problem(
+                key,
+                format!("expected {zones} bits, one for each section, found {bits} in {name:?}"),
+                None,
+            ),
+            Some((kind, _)) => checker.problem(
+                key,
+                format!(
+                    "expected a signal of kind {}, found {name:?} of kind {}",
+                    if is_single { "do" } else { "go" },
+                    kind.word()
+                ),
+                None,
+            ),
+            None => checker.problem(
+                key,
+                format!("expected one of the robot's signals, found {name:?}"),
+                Some("add it as a [[robot.signal]]"),
+            ),
+        }
     }
 }
 

@@ -43,7 +43,9 @@ fn times(frame: &DepthFrame, settings: &VisionSettings, repeats: usize) -> (f64,
 }
 
 fn speed(repeats: usize) {
-    println!("| layout | gap mm | cartons | gate | pieces | outlines | coverings | obstacles | whole ms |");
+    println!(
+        "| layout | gap mm | cartons | gate | pieces | outlines | coverings | obstacles | whole ms |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
     let spec = camera(SensorSpec::laser_3m());
     let at = looking_down(TOP + 2.0);

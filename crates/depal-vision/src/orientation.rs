@@ -85,10 +85,7 @@ fn best(outline: &[(f32, f32)], bin: f64, middle: f64, step: f64, reach: i32) ->
     let mut winner = (0u64, middle);
     for k in -reach..=reach {
         let yaw = middle + f64::from(k) * step;
-        let (s, c) = (
-            (yaw.sin() / bin) as f32,
-            (yaw.cos() / bin) as f32,
-        );
+        let (s, c) = ((yaw.sin() / bin) as f32, (yaw.cos() / bin) as f32);
         bins.fill(0);
         for &(x, y) in outline {
             // Shifted to the positive, where cutting off is floor.

@@ -256,8 +256,7 @@ impl Patch {
             let below = &below[j * (columns + 1) + 1..];
             let above = &mut above[1..=columns];
             let mut sum = 0u64;
-            for (((&on, &deep), below), above) in
-                row.on.iter().zip(&row.deep).zip(below).zip(above)
+            for (((&on, &deep), below), above) in row.on.iter().zip(&row.deep).zip(below).zip(above)
             {
                 sum += u64::from(on) | (u64::from(deep) << 32);
                 *above = *below + sum;

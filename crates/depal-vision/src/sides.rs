@@ -2,11 +2,7 @@
 
 use depal_frames::Intrinsics;
 
-use crate::{
-    gate::DepthImage,
-    patch::pixel_pitch,
-    plane::PlaneFrame,
-};
+use crate::{gate::DepthImage, patch::pixel_pitch, plane::PlaneFrame};
 
 /// Where a scan line across a side left the surface.
 #[derive(Debug, Clone, Copy)]

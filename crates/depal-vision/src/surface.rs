@@ -196,12 +196,7 @@ impl Surface {
             pitch: pixel_pitch(&self.frame, &image.intrinsics),
         };
         let blanks: Vec<Blank> = found.iter().map(|b| blank(b, &frame)).collect();
-        Ok(Patch::new(
-            image,
-            &grid,
-            &blanks,
-            settings.plane_tolerance,
-        ))
+        Ok(Patch::new(image, &grid, &blanks, settings.plane_tolerance))
     }
 
     /// The one carton of a known size that this piece plainly is: its outline fills a rectangle of that
@@ -245,15 +240,7 @@ impl Surface {
         if !is_even(mask, image, &start, range, pitch) {
             return None;
         }
-        let found = verify(
-            image,
-            settings,
-            start,
-            label as u32,
-            turned,
-            Proof::Outline,
-        )
-        .ok()?;
+        let found = verify(image, settings, start, label as u32, turned, Proof::Outline).ok()?;
         (found.proven_sides == 4).then_some(found)
     }
 
@@ -407,9 +394,8 @@ fn is_even(
         };
         for line in 0..lines {
             let at = ((line as f64 + 0.5) / lines as f64 - 0.5) * inner[across];
-            let ends = [-0.5, 0.5].map(|end| {
-                k.project(&(frame.origin + along * (inner[axis] * end) + beside * at))
-            });
+            let ends = [-0.5, 0.5]
+                .map(|end| k.project(&(frame.origin + along * (inner[axis] * end) + beside * at)));
             // A tenth of a pixel of perspective matters little here.
             let per = 1.0 / cells as f64;
             let (du, dv) = (

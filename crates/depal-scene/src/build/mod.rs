@@ -15,7 +15,7 @@ use std::sync::Arc;
 use depal_arm::{Arm, ArmError};
 use depal_camera::{CameraSpec, SensorSpec};
 use depal_cell::error::CellError;
-use depal_cell::spec::{CellSpec, GripperWiring, Latencies};
+use depal_cell::spec::{CellSpec, GripperWiring, Latencies, SectionSignals};
 use depal_controller::{ControllerSpec, SignalSpec};
 use depal_frames::{Intrinsics, JointPositions, PlacedShape};
 use depal_planner::{PlaceSpec, PlannerSettings};
@@ -25,6 +25,7 @@ use depal_vm::{Diagnostic, SourceFile};
 use depal_world::{CartonSpec, WorldSpec};
 
 use crate::camera::{Camera, SensorPreset};
+use crate::gripper::Gripper;
 use crate::interface::WireEncoding;
 use crate::layout::carton_layout;
 use crate::robot::{Signal, SignalKind};
@@ -162,7 +163,7 @@ impl Scene {
             gripper: gripper::gripper(&self.gripper),
             available_vacuum: self.gripper.vacuum_kpa * 1e3,
             wiring: GripperWiring {
-                groups: vec![self.gripper.sections_signal.clone()],
+                sections: section_signals(&self.gripper),
                 vacuum_ok: self.gripper.vacuum_signal.clone(),
             },
             world: WorldSpec {
@@ -233,6 +234,13 @@ impl Scene {
             transfer_padding: planner.clearance_mm * 1e-3,
             ..PlannerSettings::default()
         }
+    }
+}
+
+fn section_signals(gripper: &Gripper) -> SectionSignals {
+    match gripper.single_outputs() {
+        Some(names) => SectionSignals::Single(names),
+        None => SectionSignals::Groups(vec![gripper.sections_signal.clone()]),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The controller of another make: how vision reaches it, and what its sequence is set up with.
 
-use depal_cell::spec::{CellSpec, PlcPort};
+use depal_cell::spec::{CellSpec, PlcPort, SectionSignals};
 use depal_plc::{Fetch, PlcSettings, PlcTask, Source};
 use depal_time::SimDuration;
 
@@ -49,7 +49,17 @@ pub(super) fn task(plc: &Plc, spec: &CellSpec) -> Result<PlcTask, BuildError> {
             .collect(),
         home: spec.controller.start,
         flange_from_tcp: spec.gripper.flange_from_tcp,
-        section_groups: spec.wiring.groups.clone(),
+        section_groups: match &spec.wiring.sections {
+            SectionSignals::Groups(groups) => groups.clone(),
+            SectionSignals::Single(_) => {
+                return Err(BuildError::Mismatch {
+                    key: "gripper.sections_signal",
+                    message:
+                        "expected a group output for the controller of [plc], found single outputs"
+                            .to_owned(),
+                });
+            }
+        },
         vacuum_signal: spec.wiring.vacuum_ok.clone(),
         vacuum_time: SimDuration::from_secs_f64(plc.vacuum_s),
         vision_time: SimDuration::from_secs_f64(plc.vision_wait_s),
