@@ -51,6 +51,11 @@ fn speed(repeats: usize) {
     let at = looking_down(TOP + 2.0);
     for layout in [Layout::Regular20, Layout::Brick20, Layout::Pinwheel21] {
         for gap_mm in [5.0, 3.0, 1.0, 0.0] {
+            if let Ok(only) = std::env::var("GAP")
+                && only != format!("{gap_mm}")
+            {
+                continue;
+            }
             let cartons = layer(layout, gap_mm * 1e-3, TOP, FRESH.start);
             let frame = picture(&spec, &at, &stacked(&cartons, TOP), FRESH.start);
             let settings = VisionSettings::new(layout.sizes()).suited_to(&frame);
@@ -89,7 +94,7 @@ fn row(layout: Layout, gap_mm: f64, preset: &str, sensor: SensorSpec, distance: 
 
 fn main() {
     if std::env::args().any(|a| a == "speed") {
-        speed(15);
+        speed(std::env::var("N").map_or(15, |n| n.parse().unwrap_or(15)));
         return;
     }
     println!(

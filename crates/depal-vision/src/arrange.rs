@@ -60,11 +60,7 @@ pub fn arrange(
     for j in 0..by {
         for i in 0..bx {
             let (i0, j0) = ((i * BLOCK) as isize, (j * BLOCK) as isize);
-            if patch
-                .shares(i0, j0, i0 + BLOCK as isize, j0 + BLOCK as isize)
-                .0
-                > 0.9
-            {
+            if patch.surface(i0, j0, i0 + BLOCK as isize, j0 + BLOCK as isize) > 0.9 {
                 blocks.push([i * BLOCK + BLOCK / 2, j * BLOCK + BLOCK / 2]);
             }
         }
@@ -194,11 +190,11 @@ fn widest_gap(patch: &Patch, boxes: &[Candidate]) -> f64 {
                 let high = (a.first[across] + a.cells[across])
                     .min(b.first[across] + b.cells[across]) as isize;
                 let surface = if axis == 0 {
-                    patch.shares(from, low, to, high)
+                    patch.surface(from, low, to, high)
                 } else {
-                    patch.shares(low, from, high, to)
+                    patch.surface(low, from, high, to)
                 };
-                widest = widest.max((1.0 - surface.0) * (to - from) as f64 * patch.pitch);
+                widest = widest.max((1.0 - surface) * (to - from) as f64 * patch.pitch);
             }
         }
     }
@@ -348,14 +344,14 @@ impl Cover<'_> {
         let (mut i, mut j) = (block[0] as isize, block[1] as isize);
         while i > 0
             && !taken(i - 1, block[1] as isize)
-            && self.patch.shares(i - 1, j - 2, i, j + 3).0 > 0.5
+            && self.patch.surface(i - 1, j - 2, i, j + 3) > 0.5
         {
             i -= 1;
         }
         let column = block[0] as isize;
         while j > 0
             && !taken(column, j - 1)
-            && self.patch.shares(column - 2, j - 1, column + 3, j).0 > 0.5
+            && self.patch.surface(column - 2, j - 1, column + 3, j) > 0.5
         {
             j -= 1;
         }

@@ -44,14 +44,18 @@ pub fn gate<'a>(
     let far = (settings.max_depth as f32).min(LARGEST_DEPTH);
     let mut in_region = vec![0u8; pixels];
     let mut odd = 0u32;
-    let rows = frame.depth.chunks_exact(width);
-    for (row, inside) in rows.zip(in_region.chunks_exact_mut(width)) {
-        for (&z, inside) in row.iter().zip(inside) {
-            *inside = u8::from((z >= near) & (z <= far));
-            // Also true of NaN.
-            odd |= u32::from(!((z >= 0.0) & (z < LARGEST_DEPTH)));
+    pulp::Arch::new().dispatch(|| {
+        let rows = frame.depth.chunks_exact(width);
+        for (row, inside) in rows.zip(in_region.chunks_exact_mut(width)) {
+            for (&z, inside) in row.iter().zip(inside) {
+                *inside = u8::from((z >= near) & (z <= far));
+            }
+            for &z in row {
+                // Also true of NaN.
+                odd |= u32::from(!((z >= 0.0) & (z < LARGEST_DEPTH)));
+            }
         }
-    }
+    });
     let depth = if odd == 0 {
         &frame.depth
     } else {
@@ -185,9 +189,12 @@ impl DepthImage<'_> {
         if left >= right {
             return holes;
         }
+        let mut found: Vec<usize> = Vec::new();
         for v in low..high {
             let row = &self.depth[v * w + left..v * w + right];
-            for (k, _) in row.iter().enumerate().filter(|(_, z)| **z == 0.0) {
+            found.clear();
+            zeros(row, &mut found);
+            for k in &found {
                 let i = v * w + left + k;
                 let around = [
                     i - w - 1,
@@ -199,20 +206,35 @@ impl DepthImage<'_> {
                     i + w,
                     i + w + 1,
                 ];
-                let (mut sum, mut count, mut low, mut high) = (0.0f32, 0u8, f32::MAX, 0.0f32);
-                for j in around {
-                    if self.in_region[j] == 1 {
-                        sum += self.depth[j];
-                        count += 1;
-                        low = low.min(self.depth[j]);
-                        high = high.max(self.depth[j]);
-                    }
+                let count: u8 = around.iter().map(|&j| self.in_region[j]).sum();
+                if count < 7 {
+                    continue;
                 }
-                if count >= 7 && high - low < 0.01 {
+                let (mut sum, mut low, mut high) = (0.0f32, f32::MAX, 0.0f32);
+                for j in around.into_iter().filter(|&j| self.in_region[j] == 1) {
+                    sum += self.depth[j];
+                    low = low.min(self.depth[j]);
+                    high = high.max(self.depth[j]);
+                }
+                if high - low < 0.01 {
                     holes.push((i, sum / f32::from(count)));
                 }
             }
         }
         holes
     }
+}
+
+/// Places of the zeros in a row, sixteen at a time: they are rare.
+fn zeros(row: &[f32], found: &mut Vec<usize>) {
+    let (chunks, rest) = row.as_chunks::<16>();
+    for (n, chunk) in chunks.iter().enumerate() {
+        let any = chunk.iter().fold(0u32, |any, &z| any | u32::from(z == 0.0));
+        if any != 0 {
+            let places = chunk.iter().enumerate().filter(|(_, z)| **z == 0.0);
+            found.extend(places.map(|(k, _)| 16 * n + k));
+        }
+    }
+    let places = rest.iter().enumerate().filter(|(_, z)| **z == 0.0);
+    found.extend(places.map(|(k, _)| 16 * chunks.len() + k));
 }

@@ -59,13 +59,13 @@ fn rectangle(patch: &Patch, margin: f64) -> Option<Candidate> {
     let edge = (margin / patch.pitch).round() as usize;
     let width = patch.columns.checked_sub(2 * edge)?;
     let height = patch.rows.checked_sub(2 * edge)?;
-    let filled = patch.shares(
+    let filled = patch.surface(
         edge as isize,
         edge as isize,
         (edge + width) as isize,
         (edge + height) as isize,
     );
-    let whole = filled.0 >= WHOLE && width >= 24 && height >= 24;
+    let whole = filled >= WHOLE && width >= 24 && height >= 24;
     whole.then_some(Candidate {
         label: 0,
         turned: height > width,

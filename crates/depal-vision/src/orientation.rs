@@ -7,7 +7,7 @@ use crate::{
 };
 
 /// Enough outline points for a sharp profile.
-const POINTS: usize = 500;
+const POINTS: usize = 400;
 
 /// Outline of a component in plane coordinates, thinned to about [`POINTS`] points, and always with its
 /// outermost ones.
@@ -68,9 +68,9 @@ pub fn outline(
 pub fn main_direction(outline: &[(f64, f64)], bin: f64) -> f64 {
     let degree = 1f64.to_radians();
     let points: Vec<(f32, f32)> = outline.iter().map(|p| (p.0 as f32, p.1 as f32)).collect();
-    let thinned: Vec<(f32, f32)> = points.iter().copied().step_by(2).collect();
-    let coarse = best(&thinned, bin * 1.5, 0.0, 2.0 * degree, 22);
-    let fine = best(&points, bin, coarse, 0.5 * degree, 4);
+    let every = |n: usize| -> Vec<(f32, f32)> { points.iter().copied().step_by(n).collect() };
+    let coarse = best(&every(3), bin * 1.5, 0.0, 2.0 * degree, 22);
+    let fine = best(&every(2), bin, coarse, 0.5 * degree, 4);
     let yaw = best(&points, bin * 0.5, fine, 0.1 * degree, 5);
     let quarter = std::f64::consts::FRAC_PI_2;
     yaw - (yaw / quarter).round() * quarter

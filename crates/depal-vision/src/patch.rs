@@ -3,7 +3,7 @@
 
 use depal_frames::{Intrinsics, Point, Vector};
 
-use crate::{gate::DepthImage, plane::PlaneFrame};
+use crate::{gate::DepthImage, plane::PlaneFrame, search::left_out};
 
 /// What a pixel is with respect to a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +46,9 @@ impl DepthImage<'_> {
 /// Side of a block whose heights are averaged, cells.
 pub const BLOCK: usize = 8;
 
+/// Side of the squares in which deep cells are counted, cells.
+const COARSE: usize = 4;
+
 /// Cells of side `pitch` on a plane frame; cell (i, j) covers
 /// `left + i pitch .. left + (i + 1) pitch` along X and likewise along Y.
 pub struct Patch {
@@ -55,8 +58,10 @@ pub struct Patch {
     pub bottom: f64,
     pub columns: usize,
     pub rows: usize,
-    /// Surface cells (low half) and deep cells (high half) of all cells below and left.
-    area: Vec<u64>,
+    /// Surface cells of all cells below and left.
+    area: Vec<u32>,
+    /// Deep cells of all cells below and left, in squares of [`COARSE`] cells.
+    deep: Vec<u32>,
     /// Edge weight of vertical lines, summed over the rows below; wraps around.
     vertical: Vec<u16>,
     /// Edge weight of horizontal lines, summed over the columns to the left; wraps around.
@@ -76,8 +81,10 @@ pub struct Grid {
 
 /// One row of cells: where they lie in the image, then what is there.
 struct ResampledRow {
-    column: Vec<f32>,
-    line: Vec<f32>,
+    /// Index of the nearest pixel; 0 where there is none.
+    pixel: Vec<i32>,
+    /// 1 where the cell lies in the image.
+    inside: Vec<u32>,
     expected: Vec<f32>,
     /// Measured minus expected depth; [`NOTHING`] and [`BEYOND`] where there is none.
     deeper: Vec<f32>,
@@ -93,11 +100,21 @@ const NOTHING: f32 = 1e6;
 /// Stands for the depth beyond the image; nearer than any plane.
 const BEYOND: f32 = -1e6;
 
+/// Floor of a number of 0..2^22, by pushing its fraction out of the mantissa: a plain cast is checked
+/// number by number.
+#[inline(always)]
+fn int(x: f32) -> i32 {
+    const SHIFT: f32 = 8_388_608.0; // 2^23
+    let rounded = x + SHIFT;
+    let whole = (rounded.to_bits() & 0x007f_ffff) as i32;
+    whole - i32::from(rounded - SHIFT > x)
+}
+
 impl ResampledRow {
     fn new(columns: usize) -> Self {
         Self {
-            column: vec![0.0; columns],
-            line: vec![0.0; columns],
+            pixel: vec![0; columns],
+            inside: vec![0; columns],
             expected: vec![0.0; columns],
             deeper: vec![0.0; columns],
             on: vec![0; columns],
@@ -107,6 +124,7 @@ impl ResampledRow {
     }
 
     /// Cells at `first + i step` (camera frame). f32 places them to a thousandth of a pixel.
+    #[inline(always)]
     fn fetch(&mut self, image: &DepthImage, first: Point, step: Vector) {
         let k = &image.intrinsics;
         // Numerators of u and v, half a pixel added, so that cutting off rounds to the nearest.
@@ -120,36 +138,38 @@ impl ResampledRow {
             affine(step.y, step.z, k.fy, k.cy),
         );
         let (z0, z1) = (first.z as f32, step.z as f32);
+        let (width, height) = (image.width as f32, image.height as f32);
+        let stride = image.width as i32;
         let cells = self
-            .column
+            .pixel
             .iter_mut()
-            .zip(&mut self.line)
-            .zip(&mut self.expected);
-        for (i, ((u, v), expected)) in cells.enumerate() {
+            .zip(&mut self.expected)
+            .zip(&mut self.inside);
+        for (i, ((pixel, expected), inside)) in cells.enumerate() {
             let i = i as i32 as f32;
             let z = z0 + z1 * i;
             let inverse = 1.0 / z;
-            *u = (u0 + u1 * i) * inverse;
-            *v = (v0 + v1 * i) * inverse;
+            let (u, v) = ((u0 + u1 * i) * inverse, (v0 + v1 * i) * inverse);
+            // False of NaN, too.
+            let within = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
+            let (u, v) = if within { (u, v) } else { (0.0, 0.0) };
             *expected = z;
+            *pixel = int(v) * stride + int(u);
+            *inside = u32::from(within);
         }
-        let (width, height) = (image.width as f32, image.height as f32);
-        let cells = self.column.iter().zip(&self.line).zip(&self.expected);
-        for (((&u, &v), &expected), deeper) in cells.zip(&mut self.deeper) {
-            // Also refuses NaN.
-            let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
-            *deeper = if inside {
-                // Within the image, so i32 holds it; its cast is one instruction.
-                let (u, v) = (u as i32 as usize, v as i32 as usize);
-                let z = image.depth[v * image.width + u];
-                if z == 0.0 { NOTHING } else { z - expected }
-            } else {
-                BEYOND
-            };
+        for (&pixel, depth) in self.pixel.iter().zip(&mut self.deeper) {
+            *depth = image.depth[pixel as usize];
+        }
+        let cells = self.expected.iter().zip(&self.inside);
+        for (deeper, (&expected, &inside)) in self.deeper.iter_mut().zip(cells) {
+            let z = *deeper;
+            let there = if z == 0.0 { NOTHING } else { z - expected };
+            *deeper = if inside == 1 { there } else { BEYOND };
         }
     }
 
     /// Tells surface, edge and the rest apart. `edge` is set to 1 where the surface ends or is not measured.
+    #[inline(always)]
     fn classify(&mut self, tolerance: f32, edge: &mut [u8]) {
         let out = self
             .on
@@ -219,10 +239,21 @@ impl Blank {
 const FULL: u16 = 4;
 
 /// Weight of five cells across a line, the middle one on it.
+#[inline(always)]
 fn weight(cells: [u8; 5]) -> u8 {
     let full = cells[2] * FULL as u8;
     let near = (cells[1] | cells[3]) * 3;
     full.max(near).max(cells[0] | cells[4])
+}
+
+/// Weights of a line of cells; five rows of edge cells lie across it.
+#[inline(always)]
+fn weigh(edge: [&[u8]; 5], weights: &mut [u8]) {
+    let count = weights.len();
+    let edge = edge.map(|row| &row[..count]);
+    for (i, w) in weights.iter_mut().enumerate() {
+        *w = weight([edge[0][i], edge[1][i], edge[2][i], edge[3][i], edge[4][i]]);
+    }
 }
 
 /// Side of the square on the plane that one pixel sees.
@@ -230,19 +261,55 @@ pub fn pixel_pitch(frame: &PlaneFrame, intrinsics: &Intrinsics) -> f64 {
     frame.origin.z / intrinsics.fx.max(intrinsics.fy)
 }
 
+/// The loops over cells for the widest vectors that the machine has; the same bits with any.
+struct PatchJob<'a> {
+    image: &'a DepthImage<'a>,
+    grid: &'a Grid,
+    blanks: &'a [Blank],
+    tolerance: f64,
+}
+
+impl pulp::WithSimd for PatchJob<'_> {
+    type Output = Patch;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Patch {
+        Patch::resample(self.image, self.grid, self.blanks, self.tolerance)
+    }
+}
+
 impl Patch {
     /// Resamples the image over a grid; what lies in one of the blanks is left out.
     pub fn new(image: &DepthImage, grid: &Grid, blanks: &[Blank], tolerance: f64) -> Self {
+        pulp::Arch::new().dispatch(PatchJob {
+            image,
+            grid,
+            blanks,
+            tolerance,
+        })
+    }
+
+    #[inline(always)]
+    fn resample(image: &DepthImage, grid: &Grid, blanks: &[Blank], tolerance: f64) -> Self {
         let Grid { frame, x, y, pitch } = *grid;
         let columns = ((x[1] - x[0]) / pitch).ceil().max(1.0) as usize;
         let rows = ((y[1] - y[0]) / pitch).ceil().max(1.0) as usize;
-        let mut area = vec![0u64; (columns + 1) * (rows + 1)];
         // Two cells of margin all round.
         let stride = columns + 4;
         let mut edge = vec![0u8; stride * (rows + 4)];
         let mut row = ResampledRow::new(columns);
+        // Sums so far, one row; every array is written once, row after row.
+        let mut area_row = vec![0u32; columns + 1];
+        let mut area = Vec::with_capacity((columns + 1) * (rows + 1));
+        area.extend_from_slice(&area_row);
+        let coarse = columns / COARSE;
+        let mut deep_cells = vec![0u8; columns];
+        let mut deep_row = vec![0u32; coarse + 1];
+        let mut deep = Vec::with_capacity((coarse + 1) * (rows / COARSE + 1));
+        deep.extend_from_slice(&deep_row);
         let (block_columns, block_rows) = (columns / BLOCK, rows / BLOCK);
-        let mut heights = vec![0.0f32; block_columns * block_rows];
+        let mut heights = Vec::with_capacity(block_columns * block_rows);
+        let mut height_cells = vec![0.0f32; columns];
         for j in 0..rows {
             let along = y[0] + (j as f64 + 0.5) * pitch;
             let first = frame.point(x[0] + 0.5 * pitch, along);
@@ -252,59 +319,59 @@ impl Patch {
             for blank in blanks {
                 row.blank(blank.cells(along, x[0], pitch, columns), edge);
             }
-            let (below, above) = area.split_at_mut((j + 1) * (columns + 1));
-            let below = &below[j * (columns + 1) + 1..];
-            let above = &mut above[1..=columns];
-            let mut sum = 0u64;
-            for (((&on, &deep), below), above) in row.on.iter().zip(&row.deep).zip(below).zip(above)
-            {
-                sum += u64::from(on) | (u64::from(deep) << 32);
-                *above = *below + sum;
+            let mut sum = 0u32;
+            for (&on, total) in row.on.iter().zip(&mut area_row[1..]) {
+                sum += u32::from(on);
+                *total += sum;
             }
-            if j / BLOCK < block_rows {
-                let heights = &mut heights[j / BLOCK * block_columns..][..block_columns];
-                for (height, cells) in heights.iter_mut().zip(row.height.as_chunks::<BLOCK>().0) {
-                    *height += cells.iter().sum::<f32>();
+            area.extend_from_slice(&area_row);
+            for (count, &deep) in deep_cells.iter_mut().zip(&row.deep) {
+                *count += deep;
+            }
+            if j % COARSE == COARSE - 1 {
+                let mut sum = 0u32;
+                let squares = deep_cells.as_chunks::<COARSE>().0;
+                for (cells, total) in squares.iter().zip(&mut deep_row[1..]) {
+                    sum += cells.iter().map(|&d| u32::from(d)).sum::<u32>();
+                    *total += sum;
                 }
+                deep_cells.fill(0);
+                deep.extend_from_slice(&deep_row);
+            }
+            for (sum, &height) in height_cells.iter_mut().zip(&row.height) {
+                *sum += height;
+            }
+            if j % BLOCK == BLOCK - 1 {
+                let blocks = height_cells.as_chunks::<BLOCK>().0;
+                heights.extend(blocks.iter().map(|cells| cells.iter().sum::<f32>()));
+                height_cells.fill(0.0);
             }
         }
-        let mut vertical = vec![0u16; columns * (rows + 1)];
-        let mut horizontal = vec![0u16; (columns + 1) * rows];
+        let mut vertical_row = vec![0u16; columns];
+        let mut vertical = Vec::with_capacity(columns * (rows + 1));
+        vertical.extend_from_slice(&vertical_row);
+        let mut horizontal_row = vec![0u16; columns + 1];
+        let mut horizontal = Vec::with_capacity((columns + 1) * rows);
         let mut weights = vec![0u8; columns];
         for j in 0..rows {
             let here = &edge[(j + 2) * stride..(j + 3) * stride];
             let across: [&[u8]; 5] = std::array::from_fn(|k| &here[k..k + columns]);
-            let (below, above) = vertical.split_at_mut((j + 1) * columns);
-            let below = &below[j * columns..];
-            for (i, (sum, below)) in above.iter_mut().zip(below).enumerate() {
-                let w = weight([
-                    across[0][i],
-                    across[1][i],
-                    across[2][i],
-                    across[3][i],
-                    across[4][i],
-                ]);
-                *sum = below.wrapping_add(u16::from(w));
+            weigh(across, &mut weights);
+            for (sum, &w) in vertical_row.iter_mut().zip(&weights) {
+                *sum = sum.wrapping_add(u16::from(w));
             }
+            vertical.extend_from_slice(&vertical_row);
             // Five rows of the margin image around row j.
             let around: [&[u8]; 5] = std::array::from_fn(|k| {
                 &edge[(j + k) * stride + 2..(j + k) * stride + 2 + columns]
             });
-            for (i, w) in weights.iter_mut().enumerate() {
-                *w = weight([
-                    around[0][i],
-                    around[1][i],
-                    around[2][i],
-                    around[3][i],
-                    around[4][i],
-                ]);
-            }
+            weigh(around, &mut weights);
             let mut sum = 0u16;
-            let line = &mut horizontal[j * (columns + 1) + 1..(j + 1) * (columns + 1)];
-            for (out, &w) in line.iter_mut().zip(&weights) {
+            for (out, &w) in horizontal_row[1..].iter_mut().zip(&weights) {
                 sum = sum.wrapping_add(u16::from(w));
                 *out = sum;
             }
+            horizontal.extend_from_slice(&horizontal_row);
         }
         Self {
             frame,
@@ -314,6 +381,7 @@ impl Patch {
             columns,
             rows,
             area,
+            deep,
             vertical,
             horizontal,
             heights,
@@ -322,11 +390,10 @@ impl Patch {
 
     /// Number of surface cells of a block (column, row of blocks).
     pub fn surface_cells_of_block(&self, i: usize, j: usize) -> u32 {
-        let both = self.both(i * BLOCK, j * BLOCK, (i + 1) * BLOCK, (j + 1) * BLOCK);
-        (both & 0xffff_ffff) as u32
+        self.surface_cells(i * BLOCK, j * BLOCK, (i + 1) * BLOCK, (j + 1) * BLOCK)
     }
 
-    fn both(&self, i0: usize, j0: usize, i1: usize, j1: usize) -> u64 {
+    fn surface_cells(&self, i0: usize, j0: usize, i1: usize, j1: usize) -> u32 {
         let n = self.columns + 1;
         let sum = |i: usize, j: usize| self.area[j * n + i];
         sum(i1, j1)
@@ -335,20 +402,70 @@ impl Patch {
             .wrapping_add(sum(i0, j0))
     }
 
-    /// Shares (surface, deep) of the cells `i0..i1` x `j0..j1`, clipped to the patch.
-    pub fn shares(&self, i0: isize, j0: isize, i1: isize, j1: isize) -> (f64, f64) {
+    /// Share of surface of the cells `i0..i1` x `j0..j1`, clipped to the patch.
+    pub fn surface(&self, i0: isize, j0: isize, i1: isize, j1: isize) -> f64 {
         let cells = ((i1 - i0).max(0) * (j1 - j0).max(0)) as f64;
         let clip = |v: isize, high: usize| v.clamp(0, high as isize) as usize;
         let (i0, i1) = (clip(i0, self.columns), clip(i1, self.columns));
         let (j0, j1) = (clip(j0, self.rows), clip(j1, self.rows));
         if cells == 0.0 || i1 <= i0 || j1 <= j0 {
-            return (0.0, 0.0);
+            return 0.0;
         }
-        let both = self.both(i0, j0, i1, j1);
-        (
-            (both & 0xffff_ffff) as f64 / cells,
-            (both >> 32) as f64 / cells,
-        )
+        f64::from(self.surface_cells(i0, j0, i1, j1)) / cells
+    }
+
+    /// Share of deep cells in the whole squares of four within `i0..i1` x `j0..j1`.
+    pub fn deep(&self, i0: usize, j0: usize, i1: usize, j1: usize) -> f64 {
+        let coarse = self.columns / COARSE;
+        let (i0, j0) = (i0.div_ceil(COARSE), j0.div_ceil(COARSE));
+        let (i1, j1) = (
+            (i1 / COARSE).min(coarse),
+            (j1 / COARSE).min(self.rows / COARSE),
+        );
+        if i1 <= i0 || j1 <= j0 {
+            return 0.0;
+        }
+        let sum = |i: usize, j: usize| self.deep[j * (coarse + 1) + i];
+        let cells = sum(i1, j1)
+            .wrapping_sub(sum(i0, j1))
+            .wrapping_sub(sum(i1, j0))
+            .wrapping_add(sum(i0, j0));
+        f64::from(cells) / ((i1 - i0) * (j1 - j0) * COARSE * COARSE) as f64
+    }
+
+    /// For rectangles of `cells` whose first row is `j` and whose first column is the place in the list:
+    /// how many of their four sides show at least `share` of edge.
+    pub fn seen_sides(&self, j: usize, cells: [usize; 2], share: f64, seen: &mut Vec<u8>) {
+        let [a, b] = cells;
+        seen.clear();
+        if a > self.columns || j + b > self.rows {
+            return;
+        }
+        let places = self.columns - a + 1;
+        seen.resize(places, 0);
+        let least = |length: usize| (share * f64::from(FULL) * length as f64).ceil() as u16;
+        // Upright sides: all columns between two rows; the outer ones lie beyond the patch at its ends.
+        let (low, high) = (j + left_out(b), j + b - left_out(b));
+        let enough = least(high - low);
+        let row = |j: usize| &self.vertical[j * self.columns..(j + 1) * self.columns];
+        let (below, above) = (row(low), row(high));
+        let shows = |i: usize| u8::from(above[i].wrapping_sub(below[i]) >= enough);
+        for (i, seen) in seen[1..].iter_mut().enumerate() {
+            *seen = shows(i);
+        }
+        for (i, seen) in seen[..places - 1].iter_mut().enumerate() {
+            *seen += shows(i + a);
+        }
+        let enough = least(a - 2 * left_out(a));
+        for line in [j.checked_sub(1), (j + b < self.rows).then_some(j + b)] {
+            let Some(line) = line else { continue };
+            let line = &self.horizontal[line * (self.columns + 1)..(line + 1) * (self.columns + 1)];
+            let starts = &line[left_out(a)..][..places];
+            let ends = &line[a - left_out(a)..][..places];
+            for (seen, (start, end)) in seen.iter_mut().zip(starts.iter().zip(ends)) {
+                *seen += u8::from(end.wrapping_sub(*start) >= enough);
+            }
+        }
     }
 
     /// Share 0..1 of edge along the vertical line of cells `i`, rows `j0..j1`.

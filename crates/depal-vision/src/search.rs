@@ -53,6 +53,34 @@ pub fn extents(size: &BoxSize, turned: bool) -> [f64; 2] {
     }
 }
 
+/// Share of edge along one side (-X, +X, -Y, +Y), its ends left out, `off` cells farther along the axis.
+fn side_edge(patch: &Patch, first: [usize; 2], cells: [usize; 2], side: usize, off: isize) -> f64 {
+    let [i0, j0] = first;
+    let [a, b] = cells;
+    let (si0, si1) = (i0 + left_out(a), i0 + a - left_out(a));
+    let (sj0, sj1) = (j0 + left_out(b), j0 + b - left_out(b));
+    match side {
+        0 => patch.vertical_edge(i0 as isize - 1 + off, sj0, sj1),
+        1 => patch.vertical_edge((i0 + a) as isize + off, sj0, sj1),
+        2 => patch.horizontal_edge(j0 as isize - 1 + off, si0, si1),
+        _ => patch.horizontal_edge((j0 + b) as isize + off, si0, si1),
+    }
+}
+
+/// Cells at each end of a side that do not count: corners are round and hidden.
+pub fn left_out(cells: usize) -> usize {
+    cells / 20
+}
+
+/// Sides of a candidate along which, give or take three cells, there is any edge to be fitted.
+pub fn sides_with_edges(patch: &Patch, candidate: &Candidate) -> [bool; 4] {
+    /// A third of what a side must show to count as seen.
+    const ANY: f64 = 0.05;
+    [0, 1, 2, 3].map(|side| {
+        (-3..=3).any(|off| side_edge(patch, candidate.first, candidate.cells, side, off) >= ANY)
+    })
+}
+
 /// Measures one placement; `None` when it is not a whole surface.
 pub fn measure(
     patch: &Patch,
@@ -68,26 +96,19 @@ pub fn measure(
     if i1 > patch.columns || j1 > patch.rows {
         return None;
     }
-    let (si0, si1) = (i0 + a / 20, i1 - a / 20);
-    let (sj0, sj1) = (j0 + b / 20, j1 - b / 20);
-    let sides = [
-        patch.vertical_edge(i0 as isize - 1, sj0, sj1),
-        patch.vertical_edge(i1 as isize, sj0, sj1),
-        patch.horizontal_edge(j0 as isize - 1, si0, si1),
-        patch.horizontal_edge(j1 as isize, si0, si1),
-    ];
+    let sides = [0, 1, 2, 3].map(|side| side_edge(patch, first, cells, side, 0));
     let (left, right) = (i0 as isize + 3, i1 as isize - 3);
     let (low, high) = (j0 as isize + 3, j1 as isize - 3);
-    let (on, deep) = patch.shares(left, low, right, high);
-    if on < min_visible || deep > 0.01 {
+    let on = patch.surface(left, low, right, high);
+    if on < min_visible || patch.deep(i0 + 3, j0 + 3, i1 - 3, j1 - 3) > 0.01 {
         return None;
     }
     // Just inside each side there must be surface: this pins the rectangle to the outline.
     let inner = [
-        patch.shares(left, low, left + 2, high).0,
-        patch.shares(right - 2, low, right, high).0,
-        patch.shares(left, low, right, low + 2).0,
-        patch.shares(left, high - 2, right, high).0,
+        patch.surface(left, low, left + 2, high),
+        patch.surface(right - 2, low, right, high),
+        patch.surface(left, low, right, low + 2),
+        patch.surface(left, high - 2, right, high),
     ];
     let score = sides.iter().zip(inner).map(|(e, s)| e * s).sum::<f64>() + 0.1 * on;
     Some(Candidate {
@@ -121,8 +142,8 @@ pub fn has_seam(patch: &Patch, candidate: &Candidate) -> bool {
         edge > SEAM
             && stands_out(
                 edge,
-                patch.shares(k - BESIDE - 3, low, k - BESIDE, high).0,
-                patch.shares(k + BESIDE, low, k + BESIDE + 3, high).0,
+                patch.surface(k - BESIDE - 3, low, k - BESIDE, high),
+                patch.surface(k + BESIDE, low, k + BESIDE + 3, high),
             )
     });
     let along = (j0 + MARGIN..j1 - MARGIN.min(j1)).any(|j| {
@@ -132,8 +153,8 @@ pub fn has_seam(patch: &Patch, candidate: &Candidate) -> bool {
         edge > SEAM
             && stands_out(
                 edge,
-                patch.shares(low, k - BESIDE - 3, high, k - BESIDE).0,
-                patch.shares(low, k + BESIDE, high, k + BESIDE + 3).0,
+                patch.surface(low, k - BESIDE - 3, high, k - BESIDE),
+                patch.surface(low, k + BESIDE, high, k + BESIDE + 3),
             )
     });
     across || along
@@ -148,12 +169,12 @@ pub fn is_hidden(patch: &Patch, candidate: &Candidate, side: usize) -> bool {
         j0 + candidate.cells[1] as isize,
     );
     let on = match side {
-        0 => patch.shares(i0 - REACH, j0, i0, j1),
-        1 => patch.shares(i1, j0, i1 + REACH, j1),
-        2 => patch.shares(i0, j0 - REACH, i1, j0),
-        _ => patch.shares(i0, j1, i1, j1 + REACH),
+        0 => patch.surface(i0 - REACH, j0, i0, j1),
+        1 => patch.surface(i1, j0, i1 + REACH, j1),
+        2 => patch.surface(i0, j0 - REACH, i1, j0),
+        _ => patch.surface(i0, j1, i1, j1 + REACH),
     };
-    on.0 < 0.3
+    on < 0.3
 }
 
 /// Candidates with at least three seen sides, none overlapping a better one, best first.
@@ -161,6 +182,7 @@ pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candida
     const STRIDE: usize = 2;
     const MOST: usize = 20_000;
     let mut found: Vec<Candidate> = Vec::new();
+    let mut seen = Vec::new();
     for (label, size) in sizes.iter().enumerate() {
         for turned in [false, true] {
             if turned && size.length - size.width < patch.pitch {
@@ -171,25 +193,19 @@ pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candida
                 continue;
             }
             for j in (0..=patch.rows - cells[1]).step_by(STRIDE) {
-                let (sj0, sj1) = (j + cells[1] / 20, j + cells[1] - cells[1] / 20);
-                for i in (0..=patch.columns - cells[0]).step_by(STRIDE) {
-                    let left = patch.vertical_edge(i as isize - 1, sj0, sj1);
-                    let right = patch.vertical_edge((i + cells[0]) as isize, sj0, sj1);
-                    // Three seen sides need at least one here; both are looked at once more below.
-                    if left.max(right) < SEEN * 0.75 {
+                patch.seen_sides(j, cells, SEEN * 0.75, &mut seen);
+                for i in (0..seen.len()).step_by(STRIDE) {
+                    if seen[i] < 3 {
                         continue;
                     }
-                    if let Some(candidate) =
-                        measure(patch, label as u32, turned, [i, j], cells, min_visible)
-                        && candidate
-                            .sides
-                            .iter()
-                            .filter(|&&s| s >= SEEN * 0.75)
-                            .count()
-                            >= 3
-                    {
-                        found.push(candidate);
-                    }
+                    found.extend(measure(
+                        patch,
+                        label as u32,
+                        turned,
+                        [i, j],
+                        cells,
+                        min_visible,
+                    ));
                 }
             }
         }

@@ -38,24 +38,51 @@ const OUTWARD: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
 /// pixels a third is lost or mixed at a step, which moves the crossing by one pixel each.
 pub const INSET_PIXELS: f64 = 0.4;
 
-/// Fits centre and turn of a rectangle with known `extents`. Only sides seen on at least
-/// `least_seen` of their length take part; with none along an axis the middle stays there. Only those
-/// seen on at least `turn_seen` turn it: a few stray crossings along an invisible seam would too.
+/// How a rectangle is fitted.
+#[derive(Debug, Clone, Copy)]
+pub struct Fitting {
+    /// Share of its length from which on a side takes part; with none along an axis the middle stays there.
+    pub least_seen: f64,
+    /// Share from which on a side turns the rectangle: a few stray crossings along an invisible seam
+    /// would too.
+    pub turn_seen: f64,
+    /// It is turned only when so many sides can.
+    pub least_turning: usize,
+    /// How far to both sides of the expected edge is looked for it, and how far apart, pixels.
+    pub passes: &'static [(f64, f64)],
+    /// The sides worth looking at.
+    pub sides: [bool; 4],
+}
+
+/// Wide and sparse first, then narrow and dense.
+pub const FROM_AFAR: &[(f64, f64)] = &[(6.0, 4.0), (4.0, 3.0), (3.5, 1.0)];
+/// For a start that was fitted before.
+pub const FROM_CLOSE: &[(f64, f64)] = &[(4.0, 3.0), (3.5, 1.0)];
+/// Where roughly.
+pub const ROUGHLY: &[(f64, f64)] = &[(6.0, 4.0), (4.0, 2.0)];
+
+/// Fits centre and turn of a rectangle with known `extents`.
 pub fn fit_rectangle(
     image: &DepthImage,
     start: PlaneFrame,
     extents: [f64; 2],
     tolerance: f64,
-    least_seen: f64,
-    turn_seen: f64,
+    fitting: &Fitting,
 ) -> RectangleFit {
+    let least_seen = fitting.least_seen;
     let pitch = pixel_pitch(&start, &image.intrinsics);
     let inset = INSET_PIXELS * pitch;
     let mut frame = start;
     let mut sides = [SideFit::default(); 4];
-    // Wide and sparse first, then narrow and dense.
-    for (reach, stride) in [(6.0, 3.0), (4.0, 2.0), (3.5, 1.0)] {
-        let lines = OUTWARD.map(|(axis, sign)| {
+    for &(reach, stride) in fitting.passes {
+        let lines = [0, 1, 2, 3].map(|side| {
+            let (axis, sign) = OUTWARD[side];
+            if !fitting.sides[side] {
+                return ScanLines {
+                    crossings: Vec::new(),
+                    lines: 1,
+                };
+            }
             scan(
                 image,
                 &frame,
@@ -67,7 +94,7 @@ pub fn fit_rectangle(
                 tolerance,
             )
         });
-        let (turn, fitted) = fit_lines(&lines, pitch, turn_seen);
+        let (turn, fitted) = fit_lines(&lines, pitch, fitting);
         sides = fitted;
         frame = frame.turned(turn);
         for axis in 0..2 {
@@ -120,7 +147,7 @@ fn scan(
         let ends = [half - reach, half + reach].map(|at| base + outward * at);
         let [(u0, v0), (u1, v1)] = ends.map(|p| k.project(&p));
         // From pixel to pixel along the longer axis; so short a line is straight in depth, too.
-        let count = (u1 - u0).abs().max((v1 - v0).abs()).ceil().clamp(1.0, 1e4);
+        let count = f64::from((u1 - u0).abs().max((v1 - v0).abs()).min(1e4) as i32 + 1);
         let per = 1.0 / count;
         let (du, dv) = (((u1 - u0) * per) as f32, ((v1 - v0) * per) as f32);
         let dz = ((ends[1].z - ends[0].z) * per) as f32;
@@ -162,7 +189,7 @@ fn scan(
 /// One turn for all sides (they stay orthogonal) and an offset for each, by reweighted least
 /// squares. With the tangent a quarter turn left of the outward axis, a turn by `a` moves a point
 /// at `along` outwards by `-a along`.
-fn fit_lines(sides: &[ScanLines; 4], pitch: f64, least_seen: f64) -> (f64, [SideFit; 4]) {
+fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [SideFit; 4]) {
     let mut offsets = [0.0; 4];
     for (offset, side) in offsets.iter_mut().zip(sides) {
         let mut beyond: Vec<f64> = side.crossings.iter().map(|c| c.beyond).collect();
@@ -176,6 +203,7 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, least_seen: f64) -> (f64, [Side
     for width in [3.0, 2.0, 1.2, 1.0, 1.0] {
         let scale = 1.0 / (width * pitch).powi(2);
         let (mut top, mut bottom) = (0.0, 1e-12);
+        let mut turning = 0;
         let mut means = [(0.0, 0.0); 4];
         for (k, side) in sides.iter().enumerate() {
             let (mut w, mut wt, mut wd, mut wtt, mut wtd, mut close) =
@@ -197,12 +225,17 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, least_seen: f64) -> (f64, [Side
             }
             let (mean_t, mean_d) = (wt / w, wd / w);
             means[k] = (mean_t, mean_d);
-            if seen[k] >= least_seen {
+            if seen[k] >= fitting.turn_seen {
+                turning += 1;
                 top += wtd - w * mean_t * mean_d;
                 bottom += wtt - w * mean_t * mean_t;
             }
         }
-        turn = -(top / bottom).clamp(-0.05, 0.05);
+        turn = if turning >= fitting.least_turning {
+            -(top / bottom).clamp(-0.05, 0.05)
+        } else {
+            0.0
+        };
         for k in 0..4 {
             offsets[k] = means[k].1 + turn * means[k].0;
         }

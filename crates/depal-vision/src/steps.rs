@@ -12,6 +12,27 @@ const WINDOW: usize = 2 * REACH + 1;
 /// Two running minima of 5 x 5, one over depth and one over what is surface, go down the image
 /// together, so that only a dozen rows are in use at a time.
 pub fn surface_mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
+    pulp::Arch::new().dispatch(MaskJob { image, holes, step })
+}
+
+/// The mask's loops for the widest vectors that the machine has; the same bits with any.
+struct MaskJob<'a> {
+    image: &'a DepthImage<'a>,
+    holes: &'a [(usize, f32)],
+    step: f64,
+}
+
+impl pulp::WithSimd for MaskJob<'_> {
+    type Output = Vec<u8>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<u8> {
+        mask(self.image, self.holes, self.step)
+    }
+}
+
+#[inline(always)]
+fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
     let step = step as f32;
     let (width, height) = (image.width, image.height);
     let mut mask = vec![0u8; width * height];
@@ -78,6 +99,7 @@ impl FilledRow {
         }
     }
 
+    #[inline(always)]
     fn fetch(&mut self, image: &DepthImage, v: usize) {
         let range = v * image.width..(v + 1) * image.width;
         for (out, &z) in self.depth.iter_mut().zip(&image.depth[range.clone()]) {
@@ -105,6 +127,7 @@ impl<T: Copy + PartialOrd> RollingMin<T> {
         }
     }
 
+    #[inline(always)]
     fn push(&mut self, v: usize, row: &[T]) {
         let min = |a: T, b: T| if b < a { b } else { a };
         let width = row.len();
@@ -122,10 +145,12 @@ impl<T: Copy + PartialOrd> RollingMin<T> {
         }
     }
 
+    #[inline(always)]
     fn push_outside(&mut self, v: usize) {
         self.rows[v % WINDOW].fill(self.outside);
     }
 
+    #[inline(always)]
     fn minimum(&self, out: &mut [T]) {
         let min = |a: T, b: T| if b < a { b } else { a };
         let width = out.len();

@@ -11,8 +11,8 @@ use crate::{
     orientation::{main_direction, outline},
     patch::{Blank, Class, Grid, Patch, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
-    search::{Candidate, extents, search},
-    sides::fit_rectangle,
+    search::{Candidate, extents, search, sides_with_edges},
+    sides::{Fitting, ROUGHLY, fit_rectangle},
     verify::{LEAST_SEEN, Proof, TURN_SEEN, verify},
 };
 
@@ -335,7 +335,9 @@ impl Surface {
                 start,
                 candidate.label,
                 candidate.turned,
-                Proof::Arrangement,
+                Proof::Arrangement {
+                    sides: sides_with_edges(&patch, &candidate),
+                },
             ) {
                 Ok(found) => arranged.push(found),
                 Err(reason) => rejected.push(RejectedSurface {
@@ -374,8 +376,8 @@ fn is_even(
     range: [f64; 2],
     pitch: f64,
 ) -> bool {
-    /// Every fourth line is looked at, pixel by pixel.
-    const STRIDE: f64 = 4.0;
+    /// Every sixth line is looked at, pixel by pixel.
+    const STRIDE: f64 = 6.0;
     /// Cells left out at the rim.
     const RIM: f64 = 4.0;
     /// A seam shows holes on a tenth of its length, and each tears the mask over five pixels.
@@ -600,12 +602,22 @@ fn settle(
             start,
             sides,
             settings.plane_tolerance,
-            LEAST_SEEN,
-            TURN_SEEN,
+            &Fitting {
+                least_seen: LEAST_SEEN,
+                turn_seen: TURN_SEEN,
+                least_turning: 1,
+                passes: ROUGHLY,
+                sides: sides_with_edges(patch, candidate),
+            },
         );
-        if fit.sides.iter().any(|side| side.seen >= TURN_SEEN) {
+        // A line's direction is known the better the longer it is and the more of it is seen.
+        let weight: f64 = (0..4)
+            .filter(|&k| fit.sides[k].seen >= TURN_SEEN)
+            .map(|k| fit.sides[k].seen * sides[1 - k / 2].powi(3))
+            .sum();
+        if weight > 0.0 {
             let x = fit.frame.x;
-            turns.push(x.dot(&patch.frame.y).atan2(x.dot(&patch.frame.x)));
+            turns.push((x.dot(&patch.frame.y).atan2(x.dot(&patch.frame.x)), weight));
         }
         let offset = fit.frame.origin - patch.frame.origin;
         centres.push([offset.dot(&patch.frame.x), offset.dot(&patch.frame.y)]);
@@ -636,10 +648,7 @@ fn settle(
         }
     }
     // Boxes that hang together share their direction; outer sides show it best.
-    turns.sort_by(f64::total_cmp);
-    let turned = patch
-        .frame
-        .turned(turns.get(turns.len() / 2).copied().unwrap_or(0.0));
+    let turned = patch.frame.turned(shared_turn(&mut turns));
     arranged
         .iter()
         .zip(centres)
@@ -653,6 +662,18 @@ fn settle(
             )
         })
         .collect()
+}
+
+/// Weighted mean of (turn, weight) close to their median; 0 of none.
+fn shared_turn(turns: &mut [(f64, f64)]) -> f64 {
+    const CLOSE: f64 = 0.01;
+    turns.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(&(median, _)) = turns.get(turns.len() / 2) else {
+        return 0.0;
+    };
+    let close = turns.iter().filter(|t| (t.0 - median).abs() <= CLOSE);
+    let (sum, weight) = close.fold((0.0, 0.0), |s, t| (s.0 + t.0 * t.1, s.1 + t.1));
+    sum / weight
 }
 
 fn start_frame(patch: &Patch, candidate: &Candidate) -> PlaneFrame {

@@ -8,7 +8,7 @@ use crate::{
     gate::DepthImage,
     patch::{Class, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
-    sides::{INSET_PIXELS, RectangleFit, fit_rectangle},
+    sides::{FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, fit_rectangle},
 };
 
 /// Least share of scan lines with an edge for a side to count as seen.
@@ -21,8 +21,8 @@ pub const TURN_SEEN: f64 = 0.5;
 pub enum Proof {
     /// Three or four seen sides.
     Outline,
-    /// Unseen sides follow from a unique arrangement of the whole surface.
-    Arrangement,
+    /// Unseen sides follow from a unique arrangement of the whole surface; `sides` may show edges.
+    Arrangement { sides: [bool; 4] },
 }
 
 /// Fits and checks a rectangle that starts as `start` (origin in the middle, X along
@@ -75,12 +75,24 @@ fn check(
         return Err(RejectReason::NotFlat);
     }
     let frame = start.on_plane(plane);
-    let turn_seen = if proof == Proof::Outline {
-        LEAST_SEEN
-    } else {
-        TURN_SEEN
+    let fitting = match proof {
+        Proof::Outline => Fitting {
+            least_seen: LEAST_SEEN,
+            turn_seen: LEAST_SEEN,
+            least_turning: 1,
+            passes: FROM_AFAR,
+            sides: [true; 4],
+        },
+        // What hangs together shares its direction; a carton with three sides of its own has its own.
+        Proof::Arrangement { sides } => Fitting {
+            least_seen: LEAST_SEEN,
+            turn_seen: TURN_SEEN,
+            least_turning: 3,
+            passes: FROM_CLOSE,
+            sides,
+        },
     };
-    let fit = fit_rectangle(image, frame, extents, tolerance, LEAST_SEEN, turn_seen);
+    let fit = fit_rectangle(image, frame, extents, tolerance, &fitting);
 
     let proven = fit.sides.iter().filter(|s| s.seen >= LEAST_SEEN).count();
     let needed = if proof == Proof::Outline { 3 } else { 0 };
