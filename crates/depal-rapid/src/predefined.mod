@@ -17,6 +17,9 @@ MODULE predefined(SYSMODULE)
   RECORD triggdata num kind; num distance; num lead; num delay; string output; dnum level; ENDRECORD
   ! A file: its path in the program's folder, what it is open for (0 not open, 1 to read, 2 to write), the position.
   RECORD iodev string path; dnum purpose; dnum position; ENDRECORD
+  ! A meeting point of tasks: its name is the name of the variable.
+  RECORD syncident string name; ENDRECORD
+  RECORD tasks string taskname; ENDRECORD
   RECORD listitem string image; string text; ENDRECORD
   RECORD inposdata num position; num speed; num mintime; num maxtime; ENDRECORD
   RECORD stoppointdata num type; bool progsynch; inposdata inpos; num stoptime; num followtime; string signal; num relation; num checkvalue; ENDRECORD

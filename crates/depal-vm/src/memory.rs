@@ -109,6 +109,8 @@ pub struct Frame {
     pub(crate) interrupt: Option<u32>,
     /// Whether its UNDO clause runs.
     pub(crate) undoing: bool,
+    /// Whether it is a routine of an event: its errors do not reach the routines below.
+    pub(crate) is_event: bool,
 }
 
 /// All data of a running program.

@@ -400,6 +400,33 @@ pub trait System {
         Vec::new()
     }
 
+    /// Number of the task among those of its cabinet, from 1.
+    fn task_number(&self) -> usize {
+        1
+    }
+    /// Whether the task moves the arm; in a task that does not, moves are refused.
+    fn task_moves_arm(&self) -> bool {
+        true
+    }
+    /// Waits at a meeting point until all tasks of these names, this one among them, wait there. Then each is told
+    /// once that it may go on. A name that is no task of the cabinet is a fault.
+    fn meet(&mut self, point: &str, tasks: &[String]) -> Poll<Result<(), Fault>> {
+        let _ = tasks;
+        Poll::Ready(Err(Fault::NotThere {
+            message: format!("other tasks to meet at {point}"),
+        }))
+    }
+    /// Waits no longer at a meeting point.
+    fn leave_meeting(&mut self, point: &str) {
+        let _ = point;
+    }
+    /// Starts a task that waits to be started. A name that is no such task is a fault.
+    fn start_task(&mut self, name: &str) -> Result<(), Fault> {
+        Err(Fault::NotThere {
+            message: format!("a task {name} that waits to be started"),
+        })
+    }
+
     /// A line for the operator or the event log.
     fn log(&mut self, kind: LogKind, location: &ProgramLocation, text: &str);
     /// A statement is about to run (for the trace and the replay).
