@@ -6,7 +6,7 @@ use depal_arm::Arm;
 use depal_frames::JointPositions;
 use depal_motion::Trajectory;
 use depal_time::{SimDuration, SimTime};
-use depal_vm::system::Fault;
+use depal_vm::system::{Fault, PathAction};
 
 use crate::free_motion::FreeMotion;
 use crate::mechanism::Mechanism;
@@ -108,6 +108,8 @@ pub struct Cabinet {
     /// Number of the task under way.
     pub(crate) current: usize,
     pub(crate) shared: SharedData,
+    /// How often moves gave each notice.
+    pub(crate) notices: BTreeMap<String, u64>,
     /// Where tasks wait for each other, by name in lower case.
     pub(crate) meetings: BTreeMap<String, Meeting>,
     /// End of the last cycle.
@@ -172,6 +174,7 @@ impl Cabinet {
             tasks: Vec::new(),
             current: 0,
             shared: SharedData::default(),
+            notices: BTreeMap::new(),
             meetings: BTreeMap::new(),
             cycle_end: SimTime::ZERO,
             cycle_limit: SimTime::ZERO,
@@ -217,13 +220,15 @@ impl Cabinet {
         }
     }
 
-    /// Sets an output whose place on the path was passed, before `end` or later.
+    /// Does what was to be done where the arm passed, before `end` or later.
     pub(crate) fn pass(&mut self, fired: Fired, end: SimTime) {
-        if fired.at < end {
-            // The value was checked when the move was asked for.
-            let _ = self.change(fired.at, &fired.signal, fired.value, false);
-        } else {
-            self.later.push((fired.at, fired.signal, fired.value));
+        match fired.action {
+            PathAction::Set { signal, value } if fired.at < end => {
+                // The value was checked when the move was asked for.
+                let _ = self.change(fired.at, &signal, value, false);
+            }
+            PathAction::Set { signal, value } => self.later.push((fired.at, signal, value)),
+            PathAction::Notify(name) => *self.notices.entry(name).or_default() += 1,
         }
     }
 

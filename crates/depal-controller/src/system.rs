@@ -3,7 +3,7 @@ use std::task::Poll;
 use depal_frames::{JointPositions, Pose};
 use depal_time::{SimDuration, SimTime};
 use depal_vm::system::{
-    Fault, LogKind, MoveId, MoveRequest, PathEvent, ProgramLocation, Question, Received, SocketId,
+    Fault, LogKind, MoveId, MoveRequest, PathAction, PathEvent, ProgramLocation, Question, Received, SocketId,
     SocketState, System,
 };
 
@@ -85,7 +85,9 @@ impl System for CabinetSystem<'_> {
             }));
         }
         for event in events {
-            if let Err(fault) = self.check_output(&event.signal, event.value) {
+            if let PathAction::Set { signal, value } = &event.action
+                && let Err(fault) = self.check_output(signal, *value)
+            {
                 return Poll::Ready(Err(fault));
             }
         }
@@ -303,6 +305,10 @@ impl System for CabinetSystem<'_> {
 
     fn task_moves_arm(&self) -> bool {
         self.cabinet.tasks[self.cabinet.current].role.moves_arm
+    }
+
+    fn notices(&self, name: &str) -> u64 {
+        self.cabinet.notices.get(name).copied().unwrap_or(0)
     }
 
     fn meet(&mut self, point: &str, tasks: &[String]) -> Poll<Result<(), Fault>> {

@@ -60,7 +60,7 @@ pub use builtin::{Builtin, BuiltinFn, CallContext, Outcome};
 pub use diagnostic::{Diagnostic, Label, Severity};
 pub use error::{MachineFault, RaisedError};
 pub use machine::Machine;
-pub use memory::{Frame, Interrupt, Interrupts, Memory, Trigger};
+pub use memory::{Frame, Interrupt, Interrupts, Level, Memory, Trigger};
 pub use operators::{BinaryOp, UnaryOp};
 pub use program::{
     CallParameter, ErrorHandler, ErrorNumber, EventRoutines, LanguageRules, Op, Program, Routine,

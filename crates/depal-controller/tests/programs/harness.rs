@@ -22,6 +22,7 @@ pub const DATA: &str = "
     VAR triggdata trigg;
     VAR triggdata other;
     VAR clock watch;
+    VAR intnum iPassed;
 ";
 
 /// What a program did.
