@@ -6,14 +6,17 @@ use depal_arm::Arm;
 use depal_frames::JointPositions;
 use depal_motion::Trajectory;
 use depal_time::{SimDuration, SimTime};
-use depal_vm::system::{Fault, ProgramLocation};
+use depal_vm::system::{Fault, PathAction};
 
 use crate::free_motion::FreeMotion;
 use crate::mechanism::Mechanism;
+use crate::meeting::Meeting;
 use crate::motion_queue::MotionQueue;
 use crate::path_events::Fired;
+use crate::shared::SharedData;
 use crate::signals::SignalTable;
 use crate::sockets::Sockets;
+use crate::task::TaskRecord;
 use crate::{ControllerError, ControllerEvent, ControllerState, CrossConnection, SignalSpec};
 
 /// What a cabinet is built from.
@@ -84,7 +87,7 @@ pub struct FreeSpec {
     pub files: BTreeMap<String, Vec<u8>>,
 }
 
-/// The whole state of a controller but for its task. A clone can be run on with
+/// The whole state of a controller but for its tasks. A clone can be run on with
 /// [`Controller::resume`](crate::Controller::resume).
 #[derive(Debug, Clone)]
 pub struct Cabinet {
@@ -97,20 +100,24 @@ pub struct Cabinet {
     pub(crate) later: Vec<(SimTime, String, f64)>,
     pub(crate) answers: VecDeque<String>,
     pub(crate) files: BTreeMap<String, Vec<u8>>,
-    /// Whether the task looked at the clock or polled a socket since this was last cleared.
+    /// Whether a task looked at the clock or polled a socket since this was last cleared.
     pub(crate) looked: Cell<bool>,
-    /// Whether the task waited at the end of the last cycle.
-    pub(crate) waiting: bool,
+    /// What the tasks do together.
     pub(crate) state: ControllerState,
+    pub(crate) tasks: Vec<TaskRecord>,
+    /// Number of the task under way.
+    pub(crate) current: usize,
+    pub(crate) shared: SharedData,
+    /// How often moves gave each notice.
+    pub(crate) notices: BTreeMap<String, u64>,
+    /// Where tasks wait for each other, by name in lower case.
+    pub(crate) meetings: BTreeMap<String, Meeting>,
     /// End of the last cycle.
     pub(crate) cycle_end: SimTime,
     /// End of the cycle under way.
     pub(crate) cycle_limit: SimTime,
-    /// When the next statement begins.
+    /// When the next statement of the task under way begins.
     pub(crate) cursor: SimTime,
-    /// Place of the last statement, and the one told last.
-    pub(crate) statement: Option<(SimTime, ProgramLocation)>,
-    pub(crate) statement_told: Option<ProgramLocation>,
     /// Events of the cycle under way, unsorted.
     pub(crate) fresh: Vec<ControllerEvent>,
     pub(crate) events: VecDeque<ControllerEvent>,
@@ -161,15 +168,17 @@ impl Cabinet {
             answers: spec.answers,
             files: spec.files,
             looked: Cell::new(false),
-            waiting: false,
             name: spec.name,
             statement_cost,
             state: ControllerState::Idle,
+            tasks: Vec::new(),
+            current: 0,
+            shared: SharedData::default(),
+            notices: BTreeMap::new(),
+            meetings: BTreeMap::new(),
             cycle_end: SimTime::ZERO,
             cycle_limit: SimTime::ZERO,
             cursor: SimTime::ZERO,
-            statement: None,
-            statement_told: None,
             fresh: Vec::new(),
             events: VecDeque::new(),
         })
@@ -211,23 +220,27 @@ impl Cabinet {
         }
     }
 
-    /// Sets an output whose place on the path was passed, before `end` or later.
+    /// Does what was to be done where the arm passed, before `end` or later.
     pub(crate) fn pass(&mut self, fired: Fired, end: SimTime) {
-        if fired.at < end {
-            // The value was checked when the move was asked for.
-            let _ = self.change(fired.at, &fired.signal, fired.value, false);
-        } else {
-            self.later.push((fired.at, fired.signal, fired.value));
+        match fired.action {
+            PathAction::Set { signal, value } if fired.at < end => {
+                // The value was checked when the move was asked for.
+                let _ = self.change(fired.at, &signal, value, false);
+            }
+            PathAction::Set { signal, value } => self.later.push((fired.at, signal, value)),
+            PathAction::Notify(name) => *self.notices.entry(name).or_default() += 1,
         }
     }
 
     /// Hands over the events since the last time, by time.
     pub(crate) fn publish(&mut self) {
-        if let Some((at, location)) = self.statement.take()
-            && self.statement_told.as_ref() != Some(&location)
-        {
-            self.statement_told = Some(location.clone());
-            self.fresh.push(ControllerEvent::Statement { at, location });
+        for task in &mut self.tasks {
+            if let Some((at, location)) = task.statement.take()
+                && task.statement_told.as_ref() != Some(&location)
+            {
+                task.statement_told = Some(location.clone());
+                self.fresh.push(ControllerEvent::Statement { at, location });
+            }
         }
         self.fresh.sort_by_key(ControllerEvent::at);
         self.events.extend(self.fresh.drain(..));

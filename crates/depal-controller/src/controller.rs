@@ -7,16 +7,18 @@ use depal_time::{SimTime, TICK};
 use depal_vm::execution::{RobotTask, Step};
 use depal_vm::system::{Fault, ProgramLocation};
 
+use crate::shared::SharedData;
 use crate::system::CabinetSystem;
+use crate::task::{TaskRecord, Tasks, overall};
 use crate::{
     Cabinet, ControllerError, ControllerEvent, ControllerSpec, ControllerState, FreeSpec, Network,
-    Signal,
+    Signal, TaskRole,
 };
 
-/// A cabinet with its task.
+/// A cabinet with its tasks.
 pub struct Controller {
     cabinet: Cabinet,
-    task: Option<Box<dyn RobotTask>>,
+    tasks: Tasks,
 }
 
 impl Controller {
@@ -24,7 +26,7 @@ impl Controller {
     pub fn new(spec: ControllerSpec) -> Result<Self, ControllerError> {
         Ok(Self {
             cabinet: Cabinet::new(spec)?,
-            task: None,
+            tasks: Tasks::new(),
         })
     }
 
@@ -36,24 +38,61 @@ impl Controller {
     pub fn without_arm(spec: FreeSpec) -> Result<Self, ControllerError> {
         Ok(Self {
             cabinet: Cabinet::without_arm(spec)?,
-            task: None,
+            tasks: Tasks::new(),
         })
     }
 
-    /// Runs on from a saved cabinet, with the task as it was saved at the same time.
-    pub fn resume(cabinet: Cabinet, task: Option<Box<dyn RobotTask>>) -> Self {
-        Self { cabinet, task }
+    /// Runs on from a saved cabinet, with its tasks as they were saved at the same time, in the same order.
+    /// A task that is left out does not run on.
+    pub fn resume(cabinet: Cabinet, tasks: impl IntoIterator<Item = Box<dyn RobotTask>>) -> Self {
+        Self {
+            cabinet,
+            tasks: tasks.into_iter().collect(),
+        }
     }
 
-    /// The state without the task, to be cloned and saved.
+    /// The state without the tasks, to be cloned and saved.
     pub fn cabinet(&self) -> &Cabinet {
         &self.cabinet
     }
 
-    /// Loads a task; it begins to run in the next cycle.
+    /// Loads the task that moves the arm, in place of all that were loaded; it begins to run in the next cycle.
     pub fn set_task(&mut self, task: Box<dyn RobotTask>) {
-        self.task = Some(task);
-        self.cabinet.state = ControllerState::Running;
+        self.tasks.clear();
+        self.cabinet.tasks.clear();
+        self.cabinet.shared = SharedData::default();
+        self.cabinet.meetings.clear();
+        let name = task.location().task;
+        self.add_task(TaskRole::motion(&name), task);
+    }
+
+    /// Loads one more task; it begins to run in the next cycle. Tasks run one after the other in each cycle, in the
+    /// order in which they were added, each with the whole time of the cycle. What one changes of the data that
+    /// they share is carried to the others behind its part of the cycle; of two initial values the first counts.
+    pub fn add_task(&mut self, role: TaskRole, task: Box<dyn RobotTask>) {
+        self.tasks.push(task);
+        self.cabinet.tasks.push(TaskRecord::new(role));
+        self.cabinet.state = overall(&self.cabinet.tasks);
+    }
+
+    /// Starts the tasks again that stopped themselves, behind the statements with which they did, as an operator
+    /// does. Whether there were any. Moves that were dropped when they stopped are not made up for.
+    pub fn restart(&mut self) -> bool {
+        let mut any = false;
+        for (record, task) in self.cabinet.tasks.iter_mut().zip(&mut self.tasks) {
+            if matches!(record.state, ControllerState::Stopped(_)) && task.restart() {
+                record.state = ControllerState::Running;
+                any = true;
+            }
+        }
+        self.cabinet.state = overall(&self.cabinet.tasks);
+        any
+    }
+
+    /// Name and state of each task, in their order.
+    pub fn task_states(&self) -> impl Iterator<Item = (&str, &ControllerState)> {
+        let tasks = self.cabinet.tasks.iter();
+        tasks.map(|task| (task.role.name.as_str(), &task.state))
     }
 
     /// One cycle, from `now` to `now` + [`TICK`]. Then drain [`poll_event`](Self::poll_event).
@@ -64,16 +103,23 @@ impl Controller {
         // A move that ends within this cycle is seen by the program in the next one only.
         let moving = !self.cabinet.motion.is_resting(now);
         self.cabinet.looked.set(moving);
-        self.cabinet.waiting = false;
         self.cabinet.change_due(end);
-        if let Some(task) = &mut self.task {
-            run_task(&mut self.cabinet, task.as_mut(), end, network);
+        if self.cabinet.shared.lacks(self.tasks.len()) {
+            self.cabinet.connect_shared(&mut self.tasks, network);
+        }
+        for index in 0..self.tasks.len() {
+            let cabinet = &mut self.cabinet;
+            cabinet.current = index;
+            cabinet.cursor = cabinet.tasks[index].cursor.max(now);
+            run_task(cabinet, self.tasks[index].as_mut(), end, network);
+            cabinet.tasks[index].cursor = cabinet.cursor;
+            if cabinet.tasks[index].role.moves_arm && !cabinet.motion.is_resting(cabinet.cursor) {
+                // A move that begins and ends within this cycle is seen in the next one only.
+                cabinet.looked.set(true);
+            }
+            cabinet.carry_shared(index, &mut self.tasks);
         }
         let cabinet = &mut self.cabinet;
-        if !cabinet.motion.is_resting(cabinet.cursor) {
-            // A move that begins and ends within this cycle is seen in the next one only.
-            cabinet.looked.set(true);
-        }
         for fired in cabinet.motion.advance(now, end, &mut cabinet.fresh) {
             cabinet.looked.set(true);
             cabinet.pass(fired, end);
@@ -103,25 +149,27 @@ impl Controller {
         &self.cabinet.files
     }
 
-    /// Whether nothing can ever happen unless the cell sets an input: the task waited at the end of the last
-    /// cycle without a look at the clock or a socket, the arm stands and no signal change is to come.
+    /// Whether nothing can ever happen unless the cell sets an input: all tasks that run waited at the end of the
+    /// last cycle without a look at the clock or a socket, the arm stands and no signal change is to come.
     pub fn waits_for_ever(&self) -> bool {
         let cabinet = &self.cabinet;
+        let waits = |task: &TaskRecord| task.waiting || task.state != ControllerState::Running;
         cabinet.state == ControllerState::Running
-            && cabinet.waiting
+            && cabinet.tasks.iter().all(waits)
             && !cabinet.looked.get()
             && cabinet.later.is_empty()
             && cabinet.motion.is_resting(cabinet.cycle_end)
     }
 
-    /// What the task does.
+    /// What the tasks do: running as long as one of them runs that is not in the background, then how they ended;
+    /// a failure that stops all counts first.
     pub fn state(&self) -> &ControllerState {
         &self.cabinet.state
     }
 
-    /// Where the program pointer stands; none without a task.
+    /// Where the program pointer of the first task stands; none without a task.
     pub fn location(&self) -> Option<ProgramLocation> {
-        self.task.as_ref().map(|task| task.location())
+        self.tasks.first().map(|task| task.location())
     }
 
     /// Joint positions at the end of the last cycle, radians.
@@ -186,14 +234,16 @@ impl Controller {
     }
 }
 
-/// Runs the task until it waits, ends, or the cycle is over.
+/// Runs the task under way until it waits, ends, or the cycle is over.
 fn run_task(
     cabinet: &mut Cabinet,
     task: &mut dyn RobotTask,
     end: SimTime,
     network: &mut dyn Network,
 ) {
-    while cabinet.state == ControllerState::Running && cabinet.cursor < end {
+    let own = cabinet.current;
+    cabinet.tasks[own].waiting = false;
+    while cabinet.tasks[own].state == ControllerState::Running && cabinet.cursor < end {
         let step = task.step(&mut CabinetSystem {
             cabinet: &mut *cabinet,
             network: &mut *network,
@@ -205,7 +255,7 @@ fn run_task(
                 continue;
             }
             Step::Blocked => {
-                cabinet.waiting = true;
+                cabinet.tasks[own].waiting = true;
                 break;
             }
             // Queued moves are carried out, unless the program held them.
@@ -225,11 +275,38 @@ fn run_task(
                 (ControllerState::Failed(error), Some(brakes))
             }
         };
-        if let Some(reason) = brakes {
+        let role = cabinet.tasks[own].role.clone();
+        let stops_all = role.stops_all && matches!(state, ControllerState::Failed(_));
+        if let Some(reason) = brakes
+            && (role.moves_arm || stops_all)
+        {
             cabinet.motion.stop(at, &reason, &mut cabinet.fresh);
         }
-        cabinet.sockets.close_all(network, at, &cabinet.name);
-        cabinet.state = state.clone();
-        cabinet.fresh.push(ControllerEvent::TaskEnded { at, state });
+        end_task(cabinet, own, state, network);
+        if stops_all {
+            for other in 0..cabinet.tasks.len() {
+                if cabinet.tasks[other].state == ControllerState::Running {
+                    let reason = format!("task {} failed", role.name);
+                    end_task(cabinet, other, ControllerState::Stopped(reason), network);
+                }
+            }
+        }
+        cabinet.state = overall(&cabinet.tasks);
     }
+}
+
+/// Notes the end of a task and closes its sockets.
+fn end_task(
+    cabinet: &mut Cabinet,
+    index: usize,
+    state: ControllerState,
+    network: &mut dyn Network,
+) {
+    let at = cabinet.cursor;
+    cabinet.sockets.close_all(network, at, &cabinet.name, index);
+    cabinet.tasks[index].state = state.clone();
+    let task = cabinet.tasks[index].role.name.clone();
+    cabinet
+        .fresh
+        .push(ControllerEvent::TaskEnded { at, task, state });
 }

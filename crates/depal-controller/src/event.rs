@@ -2,10 +2,10 @@ use depal_time::SimTime;
 use depal_vm::execution::RuntimeError;
 use depal_vm::system::{LogKind, MoveId, ProgramLocation};
 
-/// What a controller does, as far as its task goes.
+/// What a controller does, as far as its tasks go; also what one of them does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ControllerState {
-    /// No task was set.
+    /// No task was set; a task that waits to be started.
     Idle,
     /// The task runs or waits.
     Running,
@@ -104,10 +104,12 @@ pub enum ControllerEvent {
         /// What was answered.
         answer: String,
     },
-    /// The task is over.
+    /// A task is over.
     TaskEnded {
         /// When.
         at: SimTime,
+        /// Its name.
+        task: String,
         /// How.
         state: ControllerState,
     },

@@ -1,7 +1,7 @@
-//! A virtual robot cabinet: one task, the motion queue of one arm, signals, and sockets as a trait.
+//! A virtual robot cabinet: tasks, the motion queue of one arm, signals, and sockets as a trait.
 //!
-//! [`Controller::tick`] is one interpolation cycle of 4 ms. First the task runs: each statement costs a fixed
-//! simulated time, and a task that waits ends the cycle. Then the motion moves on to the end of the cycle.
+//! [`Controller::tick`] is one interpolation cycle of 4 ms. First the tasks run, one after the other: each statement
+//! costs a fixed simulated time, and a task that waits ends its part of the cycle. Then the motion moves on to the end of the cycle.
 //! The program runs ahead of the arm: a fly-by move is taken while fewer than
 //! [`queue_depth`](ControllerSpec::queue_depth) moves wait behind the one under way, so statements behind it run
 //! before the arm arrives. A language waits for a fine move with
@@ -28,7 +28,8 @@
 //!
 //! Units and frames: SI, radians, simulated time; poses in the robot base.
 //!
-//! Limitations: one task per cabinet; no signal delay; a speed override holds for the moves that follow;
+//! Limitations: what a task changes in a cycle (signals, shared data) the tasks behind it see in the same cycle and
+//! those before it in the next one; a task that ended is not started again; no signal delay; a speed override holds for the moves that follow;
 //! every stop on the path brakes as hard as the arm can;
 //! the servo follows exactly; a wait inside a task ends with the cycle, so it is 4 ms coarse.
 
@@ -41,14 +42,17 @@ mod event;
 mod free_motion;
 mod free_path;
 mod mechanism;
+mod meeting;
 mod motion_queue;
 mod network;
 mod path_events;
+mod shared;
 mod signals;
 mod sio;
 mod sockets;
 mod sys;
 mod system;
+mod task;
 mod transcript;
 
 pub use cabinet::{Cabinet, ControllerSpec, FreeSpec};
@@ -61,6 +65,7 @@ pub use network::{Network, NoNetwork};
 pub use signals::{CrossConnection, Signal, SignalKind, SignalSpec};
 pub use sio::SioConfiguration;
 pub use sys::{EventRoutine, SysConfiguration, TaskModule, TaskSpec};
+pub use task::TaskRole;
 pub use transcript::{
     Exchange, RecordingNetwork, ReplayNetwork, Transcript, TranscriptError, TranscriptLine,
 };

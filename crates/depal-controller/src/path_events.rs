@@ -2,14 +2,13 @@
 
 use depal_motion::{Along, Mark, MarkTime, Trajectory};
 use depal_time::{SimDuration, SimTime};
-use depal_vm::system::{PathEvent, PathPlace};
+use depal_vm::system::{PathAction, PathEvent, PathPlace};
 
-/// An output whose time has come.
+/// Something on the path whose time has come.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fired {
     pub at: SimTime,
-    pub signal: String,
-    pub value: f64,
+    pub action: PathAction,
 }
 
 /// Outputs that wait for the arm.
@@ -59,11 +58,10 @@ impl PathEvents {
     }
 }
 
-/// The output of an event that was passed at a time.
+/// What an event that was passed at a time does.
 pub(crate) fn fired(at: SimTime, event: &PathEvent) -> Fired {
     Fired {
         at: at + event.delay,
-        signal: event.signal.clone(),
-        value: event.value,
+        action: event.action.clone(),
     }
 }

@@ -10,15 +10,19 @@ use crate::Network;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Sockets {
     states: BTreeMap<SocketId, SocketState>,
+    /// Number of the task that made each.
+    owners: BTreeMap<SocketId, usize>,
     /// Where bound sockets are bound.
     bound: BTreeMap<SocketId, (String, u16)>,
     next: u32,
 }
 
 impl Sockets {
-    pub fn create(&mut self) -> SocketId {
+    /// A new socket of the task of this number.
+    pub fn create(&mut self, owner: usize) -> SocketId {
         let id = SocketId(self.next);
         self.next += 1;
+        self.owners.insert(id, owner);
         self.states.insert(id, SocketState::Created);
         id
     }
@@ -153,6 +157,9 @@ impl Sockets {
             Poll::Ready(Ok(peer)) => {
                 self.next += 1;
                 self.states.insert(accepted, SocketState::Connected);
+                if let Some(owner) = self.owners.get(&socket).copied() {
+                    self.owners.insert(accepted, owner);
+                }
                 Poll::Ready(Ok((accepted, peer)))
             }
         }
@@ -167,15 +174,24 @@ impl Sockets {
     ) {
         // Closing what is closed, or was never created, is no error.
         self.bound.remove(&socket);
+        self.owners.remove(&socket);
         if self.states.remove(&socket).is_some() {
             network.close(now, controller, socket);
         }
     }
 
-    /// Closes all, as a cabinet does at the end of a task.
-    pub fn close_all(&mut self, network: &mut dyn Network, now: SimTime, controller: &str) {
-        for (socket, _) in std::mem::take(&mut self.states) {
-            network.close(now, controller, socket);
+    /// Closes all of a task, as a cabinet does at its end.
+    pub fn close_all(
+        &mut self,
+        network: &mut dyn Network,
+        now: SimTime,
+        controller: &str,
+        owner: usize,
+    ) {
+        let owned = self.owners.iter().filter(|(_, of)| **of == owner);
+        let sockets: Vec<_> = owned.map(|(socket, _)| *socket).collect();
+        for socket in sockets {
+            self.close(network, now, controller, socket);
         }
     }
 }

@@ -11,6 +11,8 @@ pub struct TaskSpec {
     pub moves_robot: bool,
     /// Whether it begins with the controller and cannot be stopped (`STATIC` and `SEMISTATIC`).
     pub is_background: bool,
+    /// Whether its failure stops the tasks of the production, too (all of -TrustLevel but `NoSafety`).
+    pub stops_all: bool,
 }
 
 /// A module that a task loads by itself.
@@ -107,12 +109,11 @@ impl SysConfiguration {
     }
 
     /// The procedures of a task for an event, in their order.
-    pub fn routines(&self, event: &str, task: &str) -> Vec<&str> {
+    pub fn routines(&self, event: &str, task: &str) -> Vec<&EventRoutine> {
         self.events
             .iter()
             .filter(|e| e.event.eq_ignore_ascii_case(event))
             .filter(|e| e.task.is_empty() || e.task.eq_ignore_ascii_case(task))
-            .map(|e| e.routine.as_str())
             .collect()
     }
 }
@@ -143,6 +144,7 @@ fn task(entry: &Entry) -> Result<TaskSpec, String> {
             entry_routine
         },
         moves_robot: entry.fields.contains_key("motiontask"),
+        stops_all: !is_background || !text(entry, "trustlevel").eq_ignore_ascii_case("NoSafety"),
         is_background,
     })
 }

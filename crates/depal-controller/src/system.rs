@@ -3,7 +3,7 @@ use std::task::Poll;
 use depal_frames::{JointPositions, Pose};
 use depal_time::{SimDuration, SimTime};
 use depal_vm::system::{
-    Fault, LogKind, MoveId, MoveRequest, PathEvent, ProgramLocation, Question, Received, SocketId,
+    Fault, LogKind, MoveId, MoveRequest, PathAction, PathEvent, ProgramLocation, Question, Received, SocketId,
     SocketState, System,
 };
 
@@ -75,8 +75,19 @@ impl System for CabinetSystem<'_> {
         request: &MoveRequest,
         events: &[PathEvent],
     ) -> Poll<Result<MoveId, Fault>> {
+        let role = &self.cabinet.tasks[self.cabinet.current].role;
+        if !role.moves_arm {
+            return Poll::Ready(Err(Fault::NotThere {
+                message: format!(
+                    "an arm for task {}; moves belong into the task that moves the robot",
+                    role.name
+                ),
+            }));
+        }
         for event in events {
-            if let Err(fault) = self.check_output(&event.signal, event.value) {
+            if let PathAction::Set { signal, value } = &event.action
+                && let Err(fault) = self.check_output(signal, *value)
+            {
                 return Poll::Ready(Err(fault));
             }
         }
@@ -179,7 +190,7 @@ impl System for CabinetSystem<'_> {
     }
 
     fn socket_create(&mut self) -> SocketId {
-        self.cabinet.sockets.create()
+        self.cabinet.sockets.create(self.cabinet.current)
     }
 
     fn socket_connect(
@@ -288,6 +299,30 @@ impl System for CabinetSystem<'_> {
         self.cabinet.files.keys().cloned().collect()
     }
 
+    fn task_number(&self) -> usize {
+        self.cabinet.current + 1
+    }
+
+    fn task_moves_arm(&self) -> bool {
+        self.cabinet.tasks[self.cabinet.current].role.moves_arm
+    }
+
+    fn notices(&self, name: &str) -> u64 {
+        self.cabinet.notices.get(name).copied().unwrap_or(0)
+    }
+
+    fn meet(&mut self, point: &str, tasks: &[String]) -> Poll<Result<(), Fault>> {
+        self.cabinet.meet(point, tasks)
+    }
+
+    fn leave_meeting(&mut self, point: &str) {
+        self.cabinet.leave_meeting(point);
+    }
+
+    fn start_task(&mut self, name: &str) -> Result<(), Fault> {
+        self.cabinet.start_task(name)
+    }
+
     fn log(&mut self, kind: LogKind, location: &ProgramLocation, text: &str) {
         self.cabinet.fresh.push(ControllerEvent::Log {
             at: self.cabinet.cursor,
@@ -314,7 +349,7 @@ impl System for CabinetSystem<'_> {
     fn statement(&mut self, location: &ProgramLocation) {
         // Most statements lie in the routine of the one before: the strings are reused.
         let at = self.cabinet.cursor;
-        match &mut self.cabinet.statement {
+        match &mut self.cabinet.tasks[self.cabinet.current].statement {
             Some((begun, known)) => {
                 *begun = at;
                 if known.routine != location.routine || known.module != location.module {

@@ -56,6 +56,7 @@ pub(crate) const ERRORS: &[(&str, i64)] = &[
     ("ERR_ALRDYCNT", 1601),
     ("ERR_CNTNOTVAR", 1602),
     ("ERR_UNKINO", 1603),
+    ("ERR_WAITSYNCTASK", 1701),
     ("LONG_JMP_ALL_ERR", 1999),
 ];
 

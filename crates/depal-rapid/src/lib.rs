@@ -30,7 +30,10 @@
 //! `docs/instructions.md`, and what the manuals leave open is in `docs/open-rules.md`; all three are made from
 //! the code.
 //!
-//! Limitations: one task; a call by name takes no optional arguments; BACKWARD is read and never run; of two inverse solutions the nearest is taken
+//! Several tasks are several programs; [`Program::shared`](depal_vm::Program::shared) lists the persistents that they
+//! have in common: global ones, neither LOCAL nor TASK.
+//!
+//! Limitations: a call by name takes no optional arguments; BACKWARD is read and never run; of two inverse solutions the nearest is taken
 //! whatever the configuration data of a target say (as with ConfL and ConfJ off); external axes, stationary
 //! tools and coordinated work objects are refused. `built_in_names` lists what is there.
 //!
@@ -48,7 +51,7 @@ pub use builtins::built_in_names;
 pub use catalogue::{Page, explain, pages};
 pub use compile::types::SignalKind;
 pub use loading::{
-    Loaded, SignalDefinition, check, check_syntax, check_with_signals, decode, load,
-    load_with_auto_signals, normal_form, program_list,
+    Loaded, SignalDefinition, TaskEntry, TaskEvent, check, check_syntax, check_with_signals,
+    decode, load, load_task, load_with_auto_signals, normal_form, program_list,
 };
 pub use rules::{OPEN_RULES, OpenRule};

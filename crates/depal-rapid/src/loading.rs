@@ -38,18 +38,57 @@ impl Loaded {
     }
 }
 
+/// When an event routine runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TaskEvent {
+    /// Before the entry (POWER_ON, RESET, START).
+    BeforeStart,
+    /// When the program has stopped itself (STOP).
+    Stop,
+    /// When it goes on after that (RESTART).
+    Restart,
+}
+
+/// What a task starts with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TaskEntry<'a> {
+    /// The procedure that it runs.
+    pub main: &'a str,
+    /// Event routines in their order, and whether a missing one is an error.
+    pub events: Vec<(TaskEvent, &'a str, bool)>,
+}
+
+impl<'a> TaskEntry<'a> {
+    /// A procedure without event routines.
+    pub fn new(main: &'a str) -> Self {
+        Self {
+            main,
+            events: Vec::new(),
+        }
+    }
+}
+
 /// Loads the modules of one task, in any order, to start at the procedure `entry`.
 /// A name that is neither declared nor in `known_signals` is an error.
 pub fn load(sources: &[SourceFile], known_signals: &[SignalDefinition], entry: &str) -> Loaded {
+    load_task(sources, known_signals, &TaskEntry::new(entry))
+}
+
+/// As [`load`], with event routines.
+pub fn load_task(
+    sources: &[SourceFile],
+    known_signals: &[SignalDefinition],
+    entry: &TaskEntry<'_>,
+) -> Loaded {
     load_with(sources, Some(keyed(known_signals)), Some(entry))
 }
 
-/// As [`load`], but a name that is used as a signal and defined nowhere becomes a signal of the kind that
+/// As [`load_task`], but a name that is used as a signal and defined nowhere becomes a signal of the kind that
 /// its use asks for (a digital input where any kind would do). Gives back the signals so added.
 pub fn load_with_auto_signals(
     sources: &[SourceFile],
     known_signals: &[SignalDefinition],
-    entry: &str,
+    entry: &TaskEntry<'_>,
 ) -> (Loaded, Vec<SignalDefinition>) {
     let mut ignored = Vec::new();
     let modules = parse_all(sources, &mut ignored);
@@ -60,7 +99,7 @@ pub fn load_with_auto_signals(
         .map(|(name, kind)| SignalDefinition { name, kind })
         .collect();
     let all: Vec<_> = known_signals.iter().chain(&added).cloned().collect();
-    (load(sources, &all, entry), added)
+    (load_task(sources, &all, entry), added)
 }
 
 /// Reads files without looking at names and types, each for itself.
@@ -154,7 +193,7 @@ pub fn check_with_signals(sources: &[SourceFile], known_signals: &[SignalDefinit
 fn load_with(
     sources: &[SourceFile],
     signals: Option<BTreeMap<String, (String, SignalKind)>>,
-    entry: Option<&str>,
+    entry: Option<&TaskEntry<'_>>,
 ) -> Loaded {
     let mut diagnostics = Vec::new();
     let modules = parse_all(sources, &mut diagnostics);

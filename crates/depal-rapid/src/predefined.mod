@@ -13,10 +13,13 @@ MODULE predefined(SYSMODULE)
   RECORD tooldata bool robhold; pose tframe; loaddata tload; ENDRECORD
   RECORD wobjdata bool robhold; bool ufprog; string ufmec; pose uframe; pose oframe; ENDRECORD
 
-  ! What TriggIO and TriggEquip define: kind (0 not yet), distance in mm, lead and delay in s, output, value.
-  RECORD triggdata num kind; num distance; num lead; num delay; string output; dnum level; ENDRECORD
+  ! What TriggIO, TriggEquip and TriggInt define: kind (0 not yet), distance in mm, lead and delay in s, output, value, interrupt (0 none).
+  RECORD triggdata num kind; num distance; num lead; num delay; string output; dnum level; num interrupt; ENDRECORD
   ! A file: its path in the program's folder, what it is open for (0 not open, 1 to read, 2 to write), the position.
   RECORD iodev string path; dnum purpose; dnum position; ENDRECORD
+  ! A meeting point of tasks: its name is the name of the variable.
+  RECORD syncident string name; ENDRECORD
+  RECORD tasks string taskname; ENDRECORD
   RECORD listitem string image; string text; ENDRECORD
   RECORD inposdata num position; num speed; num mintime; num maxtime; ENDRECORD
   RECORD stoppointdata num type; bool progsynch; inposdata inpos; num stoptime; num followtime; string signal; num relation; num checkvalue; ENDRECORD
@@ -87,6 +90,13 @@ MODULE predefined(SYSMODULE)
   CONST num high := 1;
   CONST num low := 0;
   CONST num edge := 2;
+  CONST num AIO_ABOVE_HIGH := 1;
+  CONST num AIO_BELOW_HIGH := 2;
+  CONST num AIO_ABOVE_LOW := 3;
+  CONST num AIO_BELOW_LOW := 4;
+  CONST num AIO_BETWEEN := 5;
+  CONST num AIO_OUTSIDE := 6;
+  CONST num AIO_ALWAYS := 7;
   CONST string diskhome := "HOME:";
   CONST string STR_DIGIT := "0123456789";
   CONST string STR_WHITE := " ";

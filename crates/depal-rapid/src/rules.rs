@@ -27,7 +27,7 @@ pub struct OpenRule {
 }
 
 /// All of them.
-pub const OPEN_RULES: [OpenRule; 9] = [
+pub const OPEN_RULES: [OpenRule; 10] = [
     OpenRule {
         question: "Does a FOR without STEP count down when its start is above its end?",
         answer: "Yes, by 1. FOR i FROM 1 TO 0 runs twice.",
@@ -81,5 +81,11 @@ pub const OPEN_RULES: [OpenRule; 9] = [
         answer: "Once, before the first round; changing them inside has no effect.",
         example: "n := 2; FOR i FROM 1 TO n DO n := 9; TPWrite ValToStr(i); ENDFOR",
         output: &["1", "2"],
+    },
+    OpenRule {
+        question: "With what do ISignalAI and ISignalAO compare a value by DeltaValue?",
+        answer: "With the value at the last interrupt, before the first with that when it was ordered; the interrupt comes when the difference is larger and the condition holds.",
+        example: "TPWrite ValToStr(AIO_ABOVE_HIGH) + ValToStr(AIO_ALWAYS);",
+        output: &["17"],
     },
 ];

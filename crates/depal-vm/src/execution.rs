@@ -5,6 +5,7 @@ use std::fmt::Write;
 use depal_time::SimTime;
 
 use crate::system::{ProgramLocation, System};
+use crate::{SharedDatum, Value};
 
 /// What one step of a task did.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,4 +79,27 @@ pub trait RobotTask {
     fn step(&mut self, system: &mut dyn System) -> Step;
     /// Where the program pointer stands.
     fn location(&self) -> ProgramLocation;
+
+    /// Computes initial values, if that has not been done, so that shared data can be compared before any
+    /// task begins. [`step`](Self::step) does it otherwise.
+    fn initialize(&mut self, system: &mut dyn System) {
+        let _ = system;
+    }
+    /// Goes on behind the statement with which the task stopped itself. Whether it can.
+    fn restart(&mut self) -> bool {
+        false
+    }
+    /// The data that this task shares by name with others of its cabinet.
+    fn shared_data(&self) -> &[SharedDatum] {
+        &[]
+    }
+    /// Value of one of them, by its place in the list.
+    fn shared_value(&self, index: usize) -> Option<&Value> {
+        let _ = index;
+        None
+    }
+    /// Another task changed one of them.
+    fn set_shared(&mut self, index: usize, value: Value) {
+        let _ = (index, value);
+    }
 }

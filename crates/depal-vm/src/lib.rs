@@ -37,7 +37,10 @@
 //! machine makes for itself; a cabinet that grants [spare statements](system::System::spare_statements) gets them
 //! in batches. What they do, and when, is the same.
 //!
-//! Limitations: one task; a statement is the smallest step.
+//! Several tasks are several machines. Data that they share by name are listed in [`Program::shared`]; the cabinet
+//! carries changes from one to the other with [`RobotTask`](execution::RobotTask).
+//!
+//! Limitations: a statement is the smallest step.
 
 mod builtin;
 mod diagnostic;
@@ -48,6 +51,7 @@ mod memory;
 mod operators;
 mod plain;
 mod program;
+mod shared;
 mod span;
 pub mod system;
 mod value;
@@ -56,9 +60,12 @@ pub use builtin::{Builtin, BuiltinFn, CallContext, Outcome};
 pub use diagnostic::{Diagnostic, Label, Severity};
 pub use error::{MachineFault, RaisedError};
 pub use machine::Machine;
-pub use memory::{Frame, Interrupt, Interrupts, Memory, Trigger};
+pub use memory::{Frame, Interrupt, Interrupts, Level, Memory, Trigger};
 pub use operators::{BinaryOp, UnaryOp};
-pub use program::{CallParameter, ErrorHandler, ErrorNumber, LanguageRules, Op, Program, Routine};
+pub use program::{
+    CallParameter, ErrorHandler, ErrorNumber, EventRoutines, LanguageRules, Op, Program, Routine,
+};
+pub use shared::{SharedDatum, SharingConflict, sharing_conflicts};
 pub use span::{LineColumn, SourceFile, Span};
 pub use value::{ClockState, RAW_BYTES_LIMIT, RawBytes, Reference, Root, Value};
 

@@ -21,6 +21,34 @@ pub(crate) struct Handling {
     pub(crate) next: u32,
 }
 
+/// Where a signal lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Level {
+    /// Above this.
+    Above(f64),
+    /// Below this.
+    Below(f64),
+    /// Not below the first, not above the second.
+    Between(f64, f64),
+    /// Below the first or above the second.
+    Outside(f64, f64),
+    /// Anywhere.
+    Anywhere,
+}
+
+impl Level {
+    /// Whether a value lies there.
+    pub fn holds(self, value: f64) -> bool {
+        match self {
+            Self::Above(limit) => value > limit,
+            Self::Below(limit) => value < limit,
+            Self::Between(low, high) => (low..=high).contains(&value),
+            Self::Outside(low, high) => !(low..=high).contains(&value),
+            Self::Anywhere => true,
+        }
+    }
+}
+
 /// What orders an interrupt.
 #[derive(Debug, Clone)]
 pub enum Trigger {
@@ -34,6 +62,26 @@ pub enum Trigger {
         wanted: Option<f64>,
         /// Its value when it was last looked at.
         last: f64,
+    },
+    /// A signal has moved by more than a step since the last time, and lies where it is asked for.
+    Level {
+        /// The signal.
+        name: String,
+        /// Where.
+        wanted: Level,
+        /// It must have moved by more than this.
+        step: f64,
+        /// Only upwards (above 0), only downwards (below 0), either way (0).
+        direction: i8,
+        /// Its value when the interrupt was ordered or last came.
+        last: f64,
+    },
+    /// A move gives a notice at a place on its way.
+    Notice {
+        /// Its name.
+        name: String,
+        /// How many there were when it was last looked.
+        last: u64,
     },
     /// Time passes.
     Timer {
@@ -109,6 +157,8 @@ pub struct Frame {
     pub(crate) interrupt: Option<u32>,
     /// Whether its UNDO clause runs.
     pub(crate) undoing: bool,
+    /// Whether it is a routine of an event: its errors do not reach the routines below.
+    pub(crate) is_event: bool,
 }
 
 /// All data of a running program.

@@ -1,5 +1,5 @@
 use crate::operators::{BinaryOp, UnaryOp};
-use crate::{Builtin, MachineFault, RaisedError, Value};
+use crate::{Builtin, MachineFault, RaisedError, SharedDatum, Value};
 
 /// One operation of the machine. Operands are taken from and put on the operand stack of the frame.
 /// Jump targets are indexes into the code of the routine.
@@ -228,6 +228,17 @@ impl Default for LanguageRules {
     }
 }
 
+/// Routines that run when something happens to the program, each list in its order.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct EventRoutines {
+    /// Before the entry, when the program starts from its beginning.
+    pub before_start: Vec<u32>,
+    /// When the program has stopped itself and could be restarted.
+    pub on_stop: Vec<u32>,
+    /// When it goes on after that.
+    pub on_restart: Vec<u32>,
+}
+
 /// A whole program, checked and lowered. Shared by all machines that run it.
 #[derive(Debug, Clone, Default)]
 pub struct Program {
@@ -243,6 +254,10 @@ pub struct Program {
     pub global_names: Vec<String>,
     /// The built-ins that `CallBuiltin` means.
     pub builtins: Vec<Builtin>,
+    /// Data that tasks of one cabinet share by name.
+    pub shared: Vec<SharedDatum>,
+    /// What runs when it starts, stops and goes on.
+    pub events: EventRoutines,
     /// Rules of the language.
     pub rules: LanguageRules,
 }

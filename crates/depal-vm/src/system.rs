@@ -112,7 +112,21 @@ pub enum PathPlace {
     AfterStart(f64),
 }
 
-/// A signal that is set when the arm passes a place of a move.
+/// What happens at a place along a move.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PathAction {
+    /// An output is set.
+    Set {
+        /// The output.
+        signal: String,
+        /// Its new value.
+        value: f64,
+    },
+    /// A notice of this name is given; programs [count](System::notices) them.
+    Notify(String),
+}
+
+/// Something that happens when the arm passes a place of a move.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathEvent {
     /// Where.
@@ -121,10 +135,8 @@ pub struct PathEvent {
     pub lead: SimDuration,
     /// How long after that (a delay of the output alone).
     pub delay: SimDuration,
-    /// The output.
-    pub signal: String,
-    /// Its new value.
-    pub value: f64,
+    /// What.
+    pub action: PathAction,
 }
 
 /// What the cabinet refuses or reports; a language maps it to its own error values.
@@ -398,6 +410,38 @@ pub trait System {
     /// Paths of all files in the program's folder; a folder without files ends in a slash.
     fn file_names(&self) -> Vec<String> {
         Vec::new()
+    }
+
+    /// Number of the task among those of its cabinet, from 1.
+    fn task_number(&self) -> usize {
+        1
+    }
+    /// Whether the task moves the arm; in a task that does not, moves are refused.
+    fn task_moves_arm(&self) -> bool {
+        true
+    }
+    /// How many notices of this name moves have given.
+    fn notices(&self, name: &str) -> u64 {
+        let _ = name;
+        0
+    }
+    /// Waits at a meeting point until all tasks of these names, this one among them, wait there. Then each is told
+    /// once that it may go on. A name that is no task of the cabinet is a fault.
+    fn meet(&mut self, point: &str, tasks: &[String]) -> Poll<Result<(), Fault>> {
+        let _ = tasks;
+        Poll::Ready(Err(Fault::NotThere {
+            message: format!("other tasks to meet at {point}"),
+        }))
+    }
+    /// Waits no longer at a meeting point.
+    fn leave_meeting(&mut self, point: &str) {
+        let _ = point;
+    }
+    /// Starts a task that waits to be started. A name that is no such task is a fault.
+    fn start_task(&mut self, name: &str) -> Result<(), Fault> {
+        Err(Fault::NotThere {
+            message: format!("a task {name} that waits to be started"),
+        })
     }
 
     /// A line for the operator or the event log.

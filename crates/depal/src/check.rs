@@ -1,11 +1,13 @@
 //! `depal check`: everything that is wrong with a set of files, at once, without running them.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use depal_arm::Arm;
 use depal_controller::EioConfiguration;
+use depal_rapid::Loaded;
 use depal_scene::Scene;
-use depal_vm::{Severity, SourceFile};
+use depal_vm::{Program, Severity, SourceFile, sharing_conflicts};
 
 use crate::diagnostics::draw;
 use crate::exec::definition;
@@ -57,11 +59,19 @@ impl Verdict {
 /// Checks every file; RAPID modules given together are one task, unless only their syntax is asked for.
 pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Failure> {
     let mut verdicts = Vec::new();
-    let mut modules = Vec::new();
+    // One list for each task: the modules with their places among the verdicts.
+    let mut tasks: Vec<Vec<(usize, &PathBuf)>> = Vec::new();
     let mut controller = ControllerFiles::default();
-    let found = TaskFiles::find(files, 1)?;
+    let found = TaskFiles::find(files, None)?;
     let plain = found.others.iter().chain(&found.configurations);
-    for path in found.lists.iter().chain(plain).chain(&found.modules) {
+    let lists = found.tasks.iter().flat_map(|task| &task.lists);
+    let plain = found.lists.iter().chain(lists).chain(plain);
+    let programs = found.tasks.iter().map(|task| &task.modules);
+    let programs = std::iter::once(&found.modules).chain(programs);
+    let with_task = programs
+        .enumerate()
+        .flat_map(|(task, modules)| modules.iter().map(move |module| (module, task)));
+    for (path, task) in plain.map(|path| (path, 0)).chain(with_task) {
         let name = path.to_string_lossy().into_owned();
         let (code, verdict) = match extension(path).as_str() {
             "toml" => ("SCENE", check_scene(path).map_err(of_file)),
@@ -69,7 +79,10 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
             "cfg" => ("CFG", check_configuration(path, &mut controller)),
             "pgf" => ("PGF", Ok("good".to_owned())),
             _ if is_module(path) => {
-                modules.push((verdicts.len(), path));
+                if tasks.len() <= task {
+                    tasks.resize(task + 1, Vec::new());
+                }
+                tasks[task].push((verdicts.len(), path));
                 ("RAPID", Ok("good".to_owned()))
             }
             other => (
@@ -105,7 +118,23 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
             .position(|given| given.to_string_lossy() == path)
     };
     let signals = controller.has_io.then_some(&controller.io);
-    check_modules(&modules, &mut verdicts, signals, syntax_only);
+    let mut programs = Vec::new();
+    for (index, modules) in tasks.iter().enumerate() {
+        let program = check_modules(modules, &mut verdicts, signals, syntax_only);
+        let number = index
+            .checked_sub(1)
+            .map_or(0, |task| found.tasks[task].number);
+        let name = found.task_names.get(&number).cloned();
+        let name = name.unwrap_or_else(|| format!("TASK{number}"));
+        programs.extend(program.map(|program| (name, program)));
+    }
+    let programs: Vec<_> = programs
+        .iter()
+        .map(|(name, program)| (name.as_str(), program.as_ref()))
+        .collect();
+    for conflict in sharing_conflicts(&programs) {
+        tell!("warning: {conflict}");
+    }
     verdicts.sort_by_key(|verdict| place(&verdict.path).unwrap_or(usize::MAX));
     let errors: usize = verdicts.iter().map(Verdict::errors).sum();
     if json {
@@ -226,13 +255,13 @@ fn check_configuration(
 }
 
 /// RAPID modules, as one task or each for itself, into the verdicts at the given places.
-/// With an I/O configuration a signal that it does not define is an error.
+/// With an I/O configuration a signal that it does not define is an error. The program, if it is good.
 fn check_modules(
     modules: &[(usize, &PathBuf)],
     verdicts: &mut [Verdict],
     signals: Option<&EioConfiguration>,
     syntax_only: bool,
-) {
+) -> Option<Arc<Program>> {
     let mut sources = Vec::new();
     let mut places = Vec::new();
     for (place, path) in modules {
@@ -252,16 +281,20 @@ fn check_modules(
         }
     }
     if sources.is_empty() {
-        return;
+        return None;
     }
-    let diagnostics = if syntax_only {
-        depal_rapid::check_syntax(&sources)
+    let loaded = if syntax_only {
+        Loaded {
+            program: None,
+            diagnostics: depal_rapid::check_syntax(&sources),
+        }
     } else if let Some(io) = signals {
         let known: Vec<_> = io.signals.iter().map(definition).collect();
-        depal_rapid::check_with_signals(&sources, &known).diagnostics
+        depal_rapid::check_with_signals(&sources, &known)
     } else {
-        depal_rapid::check(&sources).diagnostics
+        depal_rapid::check(&sources)
     };
+    let diagnostics = loaded.diagnostics;
     for diagnostic in &diagnostics {
         tell!("{}\n", draw(diagnostic, &sources));
         let span = diagnostic.primary.span;
@@ -281,4 +314,5 @@ fn check_modules(
             first.code
         );
     }
+    loaded.program
 }

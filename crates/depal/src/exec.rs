@@ -12,14 +12,14 @@ use depal_frames::JointPositions;
 use depal_net::robot_sockets::HostPort;
 use depal_rapid::SignalDefinition;
 use depal_time::{SimDuration, SimTime, TICK};
-use depal_vm::{Machine, Program, SourceFile};
+use depal_vm::Program;
 
-use crate::diagnostics::draw;
 use crate::exec_network::ProgramNetwork;
 use crate::exec_output::{End, Output, Place};
 use crate::failure::Failure;
 use crate::sandbox::Sandbox;
 use crate::task_folder::{ControllerFiles, TaskFiles, read};
+use crate::task_plan::plan;
 
 /// Bits of a group signal that `--auto-signals` makes: as many as RAPID's num holds exactly.
 const AUTO_GROUP_BITS: u8 = 23;
@@ -54,7 +54,7 @@ pub struct ExecArgs {
     /// Make the signals that the program uses and nobody defined, with value 0.
     #[arg(long)]
     auto_signals: bool,
-    /// The procedure to start. Default: that of the task in a SYS.cfg, else main.
+    /// The procedure to start, of the task that moves the robot. Default: that of the task in a SYS.cfg, else main.
     #[arg(long, value_name = "PROC")]
     entry: Option<String>,
     /// Folder of the program's files (HOME:): read at the start; what the program writes is written there at the end.
@@ -68,9 +68,9 @@ pub struct ExecArgs {
     /// else than then finds the connection closed, and the difference is told at the end.
     #[arg(long, value_name = "FILE", conflicts_with = "connect")]
     pub(crate) replay_sockets: Option<PathBuf>,
-    /// Number of the task whose modules are taken from a controller backup (RAPID/TASKn).
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    task: usize,
+    /// Run only the task of this number of a controller backup (RAPID/TASKn). Default: all that its SYS.cfg names.
+    #[arg(long, value_name = "N")]
+    task: Option<usize>,
     /// Send connections to the first address to the second. May be given many times.
     #[arg(long, value_name = "HOST:PORT=HOST:PORT", value_parser = route)]
     pub(crate) connect: Vec<(HostPort, HostPort)>,
@@ -168,18 +168,6 @@ fn auto_signal(definition: &SignalDefinition) -> SignalSpec {
     SignalSpec::new(&definition.name, kind)
 }
 
-/// A procedure that calls the event routines of START before the entry, as the controller does.
-fn starter(routines: &[&str], entry: &str) -> SourceFile {
-    let calls = routines.join(";\n    ");
-    let text = format!(
-        "MODULE {STARTER}\n  PROC {STARTER}()\n    {calls};\n    {entry};\n  ENDPROC\nENDMODULE\n"
-    );
-    SourceFile::new("(event routines)", text)
-}
-
-/// Name of the module and procedure of [`starter`].
-const STARTER: &str = "event_start";
-
 /// Everything that can be wrong before anything runs.
 fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), Failure> {
     if let Some(limit) = args.max_sim_s
@@ -197,38 +185,28 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), F
         )));
     }
     files.configurations.extend(args.io.clone());
-    let mut sources = files.sources()?;
     let ControllerFiles { mut io, system, .. } = ControllerFiles::read(&files.configurations)?;
-    let task = system.motion_task();
-    let task_name = task.map_or("T_ROB1", |task| &task.name).to_owned();
-    let configured = task.map_or("main", |task| &task.entry);
-    let mut entry = args.entry.clone().unwrap_or_else(|| configured.to_owned());
-    let routines: Vec<_> = ["POWER_ON", "START"]
-        .into_iter()
-        .flat_map(|event| system.routines(event, &task_name))
-        .collect();
-    if !routines.is_empty() {
-        sources.push(starter(&routines, &entry));
-        STARTER.clone_into(&mut entry);
+    let mut plans = plan(&files, &system, args.task)?;
+    if let (Some(entry), Some(first)) = (&args.entry, plans.first_mut()) {
+        first.entry.clone_from(entry);
     }
-    let known: Vec<_> = io.signals.iter().map(definition).collect();
-    let loaded = if args.auto_signals {
-        let (loaded, added) = depal_rapid::load_with_auto_signals(&sources, &known, &entry);
+    let mut programs = Vec::new();
+    let mut problems = 0;
+    for plan in &plans {
+        let known: Vec<_> = io.signals.iter().map(definition).collect();
+        let (loaded, added) = plan.load(&system, &known, args.auto_signals);
         io.signals.extend(added.iter().map(auto_signal));
-        loaded
-    } else {
-        depal_rapid::load(&sources, &known, &entry)
-    };
-    for diagnostic in &loaded.diagnostics {
-        tell!("{}\n", draw(diagnostic, &sources));
+        plan.tell(&loaded);
+        match loaded.program {
+            Some(program) => programs.push(with_retry_limit(program, system.retry_limit)),
+            None => problems += loaded.diagnostics.len(),
+        }
     }
-    let program = loaded.program.ok_or_else(|| {
-        Failure::Input(format!(
-            "the program was not started: {} problem(s) found",
-            loaded.diagnostics.len()
-        ))
-    })?;
-    let program = with_retry_limit(program, system.retry_limit);
+    if problems > 0 {
+        return Err(Failure::Input(format!(
+            "the program was not started: {problems} problem(s) found"
+        )));
+    }
     let mut changes = args.set_di.clone();
     changes.sort_by_key(|change| change.at);
     if args.auto_signals {
@@ -261,7 +239,6 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), F
             .collect(),
     };
     let sandbox = Sandbox::read(args.home.as_deref(), &files.home)?;
-    let machine = Machine::new(program, task_name).single_cycle();
     let invalid = |error: depal_controller::ControllerError| Failure::Input(error.to_string());
     let mut controller = match &args.robot {
         None => {
@@ -290,7 +267,10 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), F
             Controller::new(spec).map_err(invalid)?
         }
     };
-    controller.set_task(Box::new(machine));
+    for (plan, program) in plans.iter().zip(programs) {
+        let machine = plan.machine(program);
+        controller.add_task(plan.role.clone(), Box::new(machine));
+    }
     Ok((controller, changes, sandbox))
 }
 

@@ -209,8 +209,8 @@ fn document(event: &ControllerEvent) -> Json {
         } => {
             json!({"t_s": t, "event": "answered", "instruction": instruction, "text": text, "answer": answer})
         }
-        ControllerEvent::TaskEnded { state, .. } => {
-            json!({"t_s": t, "event": "task_ended", "state": format!("{state:?}")})
+        ControllerEvent::TaskEnded { task, state, .. } => {
+            json!({"t_s": t, "event": "task_ended", "task": task, "state": format!("{state:?}")})
         }
     }
 }

@@ -29,6 +29,7 @@ mod sandbox;
 mod serve;
 mod serve_log;
 mod task_folder;
+mod task_plan;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -1,5 +1,6 @@
 //! What belongs to a task: its modules and the configuration of its controller, out of files and folders.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use depal_controller::{
@@ -12,11 +13,26 @@ use crate::failure::Failure;
 /// Folders deeper than this are not looked into.
 const DEEPEST: usize = 12;
 
-/// The files of a task, found but not read.
+/// The modules of one task in a controller backup.
+#[derive(Debug, Default)]
+pub struct BackupTask {
+    /// N of its folder RAPID/TASKn.
+    pub number: usize,
+    /// Modules by name, without those that a program list leaves out.
+    pub modules: Vec<PathBuf>,
+    /// Program lists (.pgf).
+    pub lists: Vec<PathBuf>,
+}
+
+/// The files of a task, found but not read; of all tasks if a controller backup is among them.
 #[derive(Debug, Default)]
 pub struct TaskFiles {
     /// Modules, in the order given or by name, without those that a program list leaves out.
     pub modules: Vec<PathBuf>,
+    /// The tasks of a backup, by number; their modules are not among `modules`.
+    pub tasks: Vec<BackupTask>,
+    /// Names of the tasks of a backup, by number, as far as it tells them.
+    pub task_names: BTreeMap<usize, String>,
     /// Configuration files (.cfg).
     pub configurations: Vec<PathBuf>,
     /// Program lists (.pgf).
@@ -72,8 +88,8 @@ fn text(path: &Path) -> Result<String, Failure> {
 impl TaskFiles {
     /// From files and folders as given. A folder is a task: a program list in it names the program modules,
     /// system modules come in any case; in a controller backup the modules lie below RAPID/TASKn, and the
-    /// files below HOME are those of the program.
-    pub fn find(paths: &[PathBuf], task: usize) -> Result<Self, Failure> {
+    /// files below HOME are those of the program. `task`: only the one of this number.
+    pub fn find(paths: &[PathBuf], task: Option<usize>) -> Result<Self, Failure> {
         let mut found = Self::default();
         for path in paths {
             if path.is_dir() {
@@ -81,7 +97,8 @@ impl TaskFiles {
             } else if is_module(path) {
                 found.modules.push(path.clone());
             } else if extension(path) == "pgf" {
-                found.add_list(path)?;
+                found.modules.extend(listed(path)?);
+                found.lists.push(path.clone());
             } else if extension(path) == "cfg" {
                 found.configurations.push(path.clone());
             } else {
@@ -91,19 +108,7 @@ impl TaskFiles {
         Ok(found)
     }
 
-    fn add_list(&mut self, path: &Path) -> Result<(), Failure> {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        for name in depal_rapid::program_list(&text(path)?) {
-            let listed = folder.join(name);
-            if !self.modules.contains(&listed) {
-                self.modules.push(listed);
-            }
-        }
-        self.lists.push(path.to_owned());
-        Ok(())
-    }
-
-    fn add_folder(&mut self, folder: &Path, task: usize) -> Result<(), Failure> {
+    fn add_folder(&mut self, folder: &Path, task: Option<usize>) -> Result<(), Failure> {
         let mut files = Vec::new();
         gather(folder, 0, &mut files)?;
         let below = |path: &Path, names: &[&str]| {
@@ -116,7 +121,7 @@ impl TaskFiles {
             }) && rest.components().count() > names.len()
         };
         let is_backup = files.iter().any(|path| below(path, &["RAPID"]));
-        let own = format!("TASK{task}");
+        let mut programs: BTreeMap<usize, Vec<PathBuf>> = BTreeMap::new();
         if is_backup {
             for path in &files {
                 if below(path, &["HOME"]) {
@@ -126,31 +131,41 @@ impl TaskFiles {
                         .collect();
                     self.home.push((name.join("/"), path.clone()));
                 }
+                if below(path, &["RAPID"])
+                    && let Some(number) = task_number(path.strip_prefix(folder).unwrap_or(path))
+                    && task.is_none_or(|task| task == number)
+                {
+                    programs.entry(number).or_default().push(path.clone());
+                }
+                if named(path, "backinfo.txt") {
+                    self.task_names.extend(task_names(&text(path)?));
+                }
             }
             files.retain(|path| {
-                below(path, &["RAPID", &own])
-                    || (extension(path) == "cfg" && !below(path, &["HOME"]))
+                extension(path) == "cfg" && !below(path, &["HOME"]) && !below(path, &["RAPID"])
             });
         }
-        let lists: Vec<_> = files
-            .iter()
-            .filter(|path| extension(path) == "pgf")
-            .cloned()
-            .collect();
-        for list in &lists {
-            self.add_list(list)?;
-        }
-        for path in files {
-            if extension(&path) == "cfg" {
-                self.configurations.push(path);
-            } else if is_module(&path)
-                && (lists.is_empty() || is_system_module(&path))
-                && !self.modules.contains(&path)
-            {
-                self.modules.push(path);
+        for (number, files) in programs {
+            let (modules, lists) = task_modules(&files)?;
+            if !modules.is_empty() {
+                self.tasks.push(BackupTask {
+                    number,
+                    modules,
+                    lists,
+                });
             }
         }
-        if self.modules.is_empty() && self.configurations.is_empty() {
+        let (modules, lists) = task_modules(&files)?;
+        self.lists.extend(lists);
+        for module in modules {
+            if !self.modules.contains(&module) {
+                self.modules.push(module);
+            }
+        }
+        let is_configuration = |path: &PathBuf| extension(path) == "cfg";
+        self.configurations
+            .extend(files.into_iter().filter(is_configuration));
+        if self.modules.is_empty() && self.tasks.is_empty() && self.configurations.is_empty() {
             return Err(Failure::Input(format!(
                 "{}: no modules (.mod, .sys, .prg, .modx, .sysx), program lists (.pgf) or configurations (.cfg) in this folder",
                 folder.display()
@@ -158,14 +173,60 @@ impl TaskFiles {
         }
         Ok(())
     }
+}
 
-    /// The modules with their text.
-    pub fn sources(&self) -> Result<Vec<SourceFile>, Failure> {
-        self.modules
-            .iter()
-            .map(|path| Ok(SourceFile::new(path.to_string_lossy(), text(path)?)))
-            .collect()
+/// Modules with their text.
+pub fn sources(modules: &[PathBuf]) -> Result<Vec<SourceFile>, Failure> {
+    modules
+        .iter()
+        .map(|path| Ok(SourceFile::new(path.to_string_lossy(), text(path)?)))
+        .collect()
+}
+
+/// The modules that a program list names.
+fn listed(list: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let folder = list.parent().unwrap_or(Path::new(""));
+    let names = depal_rapid::program_list(&text(list)?);
+    Ok(names.into_iter().map(|name| folder.join(name)).collect())
+}
+
+/// Modules and program lists among the files of a task: with a list its modules and the system modules, else all.
+fn task_modules(files: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Failure> {
+    let is_list = |path: &&PathBuf| extension(path) == "pgf";
+    let lists: Vec<_> = files.iter().filter(is_list).cloned().collect();
+    let mut modules = Vec::new();
+    for list in &lists {
+        for module in listed(list)? {
+            if !modules.contains(&module) {
+                modules.push(module);
+            }
+        }
     }
+    for path in files {
+        if is_module(path)
+            && (lists.is_empty() || is_system_module(path))
+            && !modules.contains(path)
+        {
+            modules.push(path.clone());
+        }
+    }
+    Ok((modules, lists))
+}
+
+/// N of a path RAPID/TASKn/..
+fn task_number(path: &Path) -> Option<usize> {
+    let name = path.components().nth(1)?.as_os_str().to_string_lossy();
+    name.to_uppercase().strip_prefix("TASK")?.parse().ok()
+}
+
+/// Names of tasks in the list of contents of a backup: lines as `>>TASK1: (T_ROB1,,)`.
+fn task_names(text: &str) -> Vec<(usize, String)> {
+    let name = |line: &str| {
+        let (number, rest) = line.trim().strip_prefix(">>TASK")?.split_once(':')?;
+        let name = rest.trim().strip_prefix('(')?.split([',', ')']).next()?;
+        Some((number.trim().parse().ok()?, name.trim().to_owned()))
+    };
+    text.lines().filter_map(name).collect()
 }
 
 /// All files below a folder, by name.

@@ -267,6 +267,53 @@ fn a_backup_is_a_task() {
     assert_eq!(depal(&folder, &["check", "."]).status.code(), Some(0));
 }
 
+/// A backup of two tasks that share data: both run, and routines of events before them.
+#[test]
+fn a_backup_runs_all_tasks_of_its_configuration() {
+    let main = "MODULE m\n  PERS num level := 1;\n  PROC main()\n    WaitUntil level > 1;\n    TPWrite \"level \"\\Num:=level;\n    Stop;\n  ENDPROC\n  PROC lights()\n    TPWrite \"lights\";\n  ENDPROC\n  PROC halt()\n    TPWrite \"halt\";\n  ENDPROC\nENDMODULE\n";
+    let side = "MODULE side\n  PERS num level := 1;\n  PROC watch()\n    WaitTime 0.5;\n    level := 4;\n  ENDPROC\nENDMODULE\n";
+    let sys = "SYS:CFG_1.0:6:0::\n#\nCAB_TASKS:\n -Name \"T_WATCH\" -Type \"STATIC\" -Entry \"watch\"\n -Name \"T_ROB1\" -Type \"NORMAL\" -MotionTask\n#\nCAB_EXEC_HOOKS:\n -Routine \"lights\" -Shelf \"POWER_ON\"\n -Routine \"halt\" -Shelf \"STOP\" -Task \"T_ROB1\"\n";
+    let folder = folder("two_tasks", &[]);
+    let write = |path: &str, text: &str| {
+        let path = folder.join(path);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        std::fs::write(path, text).expect("written");
+    };
+    write("RAPID/TASK1/PROGMOD/side.mod", side);
+    write("RAPID/TASK2/PROGMOD/m.mod", main);
+    write("SYSPAR/SYS.cfg", sys);
+    let output = depal(&folder, &["exec", "."]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stdout(&output), "lights\nlevel 4\nhalt\n");
+    assert_eq!(depal(&folder, &["check", "."]).status.code(), Some(0));
+    // One task alone: nobody raises the level.
+    let alone = depal(&folder, &["exec", ".", "--task", "2", "--json"]);
+    assert_eq!(json(&alone)["end"], "idle", "{}", stderr(&alone));
+    // The tasks are named by the list of contents where it is there, and a difference is told.
+    write(
+        "RAPID/TASK1/PROGMOD/side.mod",
+        &side.replace(":= 1", ":= 9"),
+    );
+    write(
+        "BACKINFO/backinfo.txt",
+        ">>TASK1: (T_WATCH,,)\nPROGMOD/side.mod\n>>TASK2: (T_ROB1,,)\nPROGMOD/m.mod\n",
+    );
+    let checked = depal(&folder, &["check", "."]);
+    assert_eq!(checked.status.code(), Some(0));
+    assert!(
+        stderr(&checked).contains("level has another initial value in task T_ROB1"),
+        "{}",
+        stderr(&checked)
+    );
+    let output = depal(&folder, &["exec", "."]);
+    assert_eq!(stdout(&output), "lights\nlevel 4\nhalt\n");
+    assert!(
+        stderr(&output).contains("level has another initial value in task T_WATCH"),
+        "{}",
+        stderr(&output)
+    );
+}
+
 /// Files are written below --home and nowhere else.
 #[test]
 fn files_live_below_home() {

@@ -163,9 +163,13 @@ fn tasks_and_event_routines_are_read() {
     assert_eq!(read.motion_task().map(|t| t.name.as_str()), Some("T_ROB1"));
     assert_eq!(read.modules.len(), 2);
     assert_eq!(read.modules[1].task, "T_ROB1");
-    assert_eq!(read.routines("start", "T_ROB1"), ["first", "second"]);
-    assert_eq!(read.routines("START", "t_watch"), ["second"]);
-    assert_eq!(read.routines("POWER_ON", "T_WATCH"), ["lights"]);
+    let names = |event, task| -> Vec<_> {
+        let routines = read.routines(event, task).into_iter();
+        routines.map(|event| event.routine.as_str()).collect()
+    };
+    assert_eq!(names("start", "T_ROB1"), ["first", "second"]);
+    assert_eq!(names("START", "t_watch"), ["second"]);
+    assert_eq!(names("POWER_ON", "T_WATCH"), ["lights"]);
     assert_eq!(read.retry_limit, Some(7));
     let wrong = "SYS:CFG_1.0:6:0::\n#\nCAB_TASKS:\n -Name \"a\" -Type \"FAST\"\n -Type \"NORMAL\"\n#\nCAB_EXEC_HOOKS:\n -Routine \"r\" -Shelf \"NOON\"\n";
     let errors: Vec<ConfigurationError> = SysConfiguration::parse(wrong).unwrap_err();

@@ -6,7 +6,7 @@ use depal_controller::{
     SignalSpec,
 };
 use depal_frames::{JointPositions, Vector};
-use depal_rapid::SignalDefinition;
+use depal_rapid::{SignalDefinition, TaskEntry};
 use depal_time::{SimTime, TICK};
 use depal_vm::system::LogKind;
 use depal_vm::{Machine, SourceFile};
@@ -22,6 +22,7 @@ pub const DATA: &str = "
     VAR triggdata trigg;
     VAR triggdata other;
     VAR clock watch;
+    VAR intnum iPassed;
 ";
 
 /// What a program did.
@@ -139,6 +140,11 @@ pub fn program(statements: &str, more: &str) -> String {
 }
 
 pub fn machine(text: &str) -> Machine {
+    machine_of("T_ROB1", text, &TaskEntry::new("main")).single_cycle()
+}
+
+/// The machine of a task.
+pub fn machine_of(task: &str, text: &str, entry: &TaskEntry<'_>) -> Machine {
     let known: Vec<_> = signals()
         .iter()
         .map(|spec| SignalDefinition {
@@ -154,7 +160,7 @@ pub fn machine(text: &str) -> Machine {
         })
         .collect();
     let source = SourceFile::new("m.mod", text);
-    let loaded = depal_rapid::load(std::slice::from_ref(&source), &known, "main");
+    let loaded = depal_rapid::load_task(std::slice::from_ref(&source), &known, entry);
     let shown: Vec<_> = loaded
         .diagnostics
         .iter()
@@ -163,7 +169,7 @@ pub fn machine(text: &str) -> Machine {
     let program = loaded
         .program
         .unwrap_or_else(|| panic!("{}\n{text}", shown.join("\n")));
-    Machine::new(program, "T_ROB1").single_cycle()
+    Machine::new(program, task)
 }
 
 /// Runs statements, with inputs that change at given seconds, for at most a minute of simulated time.

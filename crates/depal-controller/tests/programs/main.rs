@@ -10,6 +10,7 @@ mod path;
 mod samples;
 mod search;
 mod settings;
+mod tasks;
 mod transcripts;
 mod triggers;
 mod vision_peer;

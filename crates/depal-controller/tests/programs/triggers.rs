@@ -83,3 +83,57 @@ fn triggers_are_refused_where_they_are_wrong() {
         run("TriggIO trigg,10\\GOp:=go1,999;\nTriggL Offs(p0,300,0,0),v300,trigg,fine,tTool;");
     assert_eq!(told.failure(), ("ERR_SIG_NOT_VALID".to_owned(), 3));
 }
+
+const PASSED: &str = "TRAP passed\nTPWrite \"passed\";\nPulseDO do2;\nENDTRAP";
+
+/// The trap runs while the arm goes on; a second move with the same data orders it again.
+#[test]
+fn an_interrupt_comes_at_a_place_of_the_path() {
+    let define = "CONNECT iPassed WITH passed; TriggInt trigg,100,iPassed;\n";
+    let go = "TriggL Offs(p0,400,0,0),v500,trigg,fine,tTool;\n";
+    let told = run_with(&format!("{define}{go}TPWrite \"over\";"), PASSED, &[]).finished();
+    assert_eq!(told.lines, ["passed", "over"]);
+    // A program sees the path once a cycle: at most 4 ms or 2 mm later.
+    let at = left(&told, told.edge("do2"));
+    assert!((0.0975..=0.1001).contains(&at), "{at}");
+    let twice = format!("{define}{go}{go}TriggL p0,v500,trigg,fine,tTool;");
+    let told = run_with(&twice, PASSED, &[]).finished();
+    assert_eq!(told.lines.len(), 3, "{:?}", told.lines);
+    // Not tied to the move, asleep or deleted: no interrupt.
+    let plain = format!("{define}MoveL Offs(p0,400,0,0),v500,fine,tTool;");
+    assert!(run_with(&plain, PASSED, &[]).finished().lines.is_empty());
+    let asleep = format!("{define}ISleep iPassed;\n{go}");
+    assert!(run_with(&asleep, PASSED, &[]).finished().lines.is_empty());
+}
+
+/// Analogue values: the condition, the step and the direction each hold an interrupt back.
+#[test]
+fn an_interrupt_comes_at_a_level() {
+    let inputs = [
+        (0.1, "ai1", 2.0),
+        (0.2, "ai1", 6.0),
+        (0.3, "ai1", 6.5),
+        (0.4, "ai1", 9.0),
+        (0.5, "ai1", 3.0),
+    ];
+    let trap = "TRAP passed\nTPWrite ValToStr(AInput(ai1));\nENDTRAP";
+    let lines = |order: &str| {
+        let statements = format!("CONNECT iPassed WITH passed;\n{order}\nWaitTime 1;");
+        run_with(&statements, trap, &inputs).finished().lines
+    };
+    let above = "ISignalAI ai1,AIO_ABOVE_HIGH,5,0,1,iPassed;";
+    assert_eq!(lines(above), ["6", "9"]);
+    assert_eq!(lines(&above.replace("ISignalAI ", "ISignalAI\\Single,")), ["6"]);
+    assert_eq!(lines(&above.replace(",1,", ",0.1,")), ["6", "6.5", "9"]);
+    assert_eq!(lines(&above.replace("ABOVE_HIGH,5", "BELOW_HIGH,5")), ["2"]);
+    assert_eq!(
+        lines("ISignalAI ai1,AIO_ALWAYS,5,0,1,iPassed;"),
+        ["2", "6", "9", "3"]
+    );
+    assert_eq!(
+        lines("ISignalAI ai1,AIO_ALWAYS,5,0,1\\DPos,iPassed;"),
+        ["2", "6", "9"]
+    );
+    assert_eq!(lines("ISignalAI ai1,AIO_BETWEEN,7,6,0,iPassed;"), ["6", "6.5"]);
+    assert_eq!(lines("ISignalAI ai1,AIO_OUTSIDE,7,3,0,iPassed;"), ["2", "9"]);
+}

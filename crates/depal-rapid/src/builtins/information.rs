@@ -57,10 +57,10 @@ fn system_info(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     }
 }
 
-fn task_name(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
+fn task_name(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     for index in [0, 1] {
         if context.is_given(index) {
-            context.assign_number(index, 1.0)?;
+            context.assign_number(index, system.task_number() as f64)?;
         }
     }
     text(context.location.task.clone())
@@ -134,8 +134,8 @@ fn run_mode(_: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     num(1.0)
 }
 
-fn moves_robot(_: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
-    Ok(Outcome::Done(Value::Bool(true)))
+fn moves_robot(_: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    Ok(Outcome::Done(Value::Bool(system.task_moves_arm())))
 }
 
 /// The event log has no pending warning that could be skipped.

@@ -1,13 +1,13 @@
 use depal_time::SimDuration;
 use depal_vm::system::System;
-use depal_vm::{CallContext, Interrupt, Outcome, RaisedError, Trigger, Value};
+use depal_vm::{CallContext, Interrupt, Level, Outcome, RaisedError, Trigger, Value};
 
 use super::table::Entry;
 use crate::errors::error;
 
 type Ran = Result<Outcome, RaisedError>;
 
-pub(super) const ENTRIES: [Entry; 11] = [
+pub(super) const ENTRIES: [Entry; 13] = [
     (
         "PROC ISignalDI(\\switch Single | switch SingleSafe, signaldi Signal, num TriggValue, INOUT intnum Interrupt)",
         signal,
@@ -23,6 +23,14 @@ pub(super) const ENTRIES: [Entry; 11] = [
     (
         "PROC ISignalGO(\\switch Single | switch SingleSafe, signalgo Signal, INOUT intnum Interrupt)",
         group,
+    ),
+    (
+        "PROC ISignalAI(\\switch Single | switch SingleSafe, signalai Signal, num Condition, num HighValue, num LowValue, num DeltaValue \\switch DPos | switch DNeg, INOUT intnum Interrupt)",
+        analog,
+    ),
+    (
+        "PROC ISignalAO(\\switch Single | switch SingleSafe, signalao Signal, num Condition, num HighValue, num LowValue, num DeltaValue \\switch DPos | switch DNeg, INOUT intnum Interrupt)",
+        analog,
     ),
     (
         "PROC ITimer(\\switch Single | switch SingleSafe, num Time, INOUT intnum Interrupt)",
@@ -60,7 +68,7 @@ fn interrupt<'a>(
     })
 }
 
-fn order(context: &mut CallContext<'_>, argument: usize, once: bool, trigger: Trigger) -> Ran {
+pub(super) fn order(context: &mut CallContext<'_>, argument: usize, once: bool, trigger: Trigger) -> Ran {
     let interrupt = interrupt(context, argument)?;
     if !matches!(interrupt.trigger, Trigger::None) {
         return Err(context.argument_error(
@@ -101,6 +109,43 @@ fn group(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let once = is_single(context);
     let wanted = None;
     order(context, 3, once, Trigger::Signal { name, wanted, last })
+}
+
+/// The value is compared with that of the last interrupt, the first one with that when it was ordered.
+fn analog(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let name = context.signal(2)?;
+    let last = value_of(context, system, &name)?;
+    let (condition, high, low) = (context.number(3)?, context.number(4)?, context.number(5)?);
+    let step = context.number(6)?;
+    if low > high || step < 0.0 {
+        return Err(context.argument_error(format!(
+            "the high value {high} must not be below the low value {low}, nor the delta {step} below 0"
+        )));
+    }
+    let wanted = match condition as i32 {
+        1 => Level::Above(high),
+        2 => Level::Below(high),
+        3 => Level::Above(low),
+        4 => Level::Below(low),
+        5 => Level::Between(low, high),
+        6 => Level::Outside(low, high),
+        7 => Level::Anywhere,
+        _ => {
+            return Err(context.argument_error(format!(
+                "the condition is {condition}, expected 1 (AIO_ABOVE_HIGH) to 7 (AIO_ALWAYS)"
+            )));
+        }
+    };
+    let direction = i8::from(context.is_given(7)) - i8::from(context.is_given(8));
+    let once = is_single(context);
+    let trigger = Trigger::Level {
+        name,
+        wanted,
+        step,
+        direction,
+        last,
+    };
+    order(context, 9, once, trigger)
 }
 
 fn timer(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {

@@ -21,6 +21,7 @@ mod settings;
 mod socket;
 mod strings;
 mod table;
+mod tasks;
 mod timing;
 mod triggers;
 

@@ -4,7 +4,7 @@ use std::task::Poll;
 
 use depal_frames::{Point, Pose};
 use depal_vm::system::{
-    MoveId, MoveKind, MoveRequest, MoveSpeed, MoveTarget, MoveZone, PathEvent, PathPlace, System,
+    MoveId, MoveKind, MoveRequest, MoveSpeed, MoveTarget, MoveZone, PathAction, PathEvent, PathPlace, System,
 };
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 
@@ -353,8 +353,10 @@ fn with_output(
             place: PathPlace::BeforeEnd(0.0),
             lead: depal_time::SimDuration::ZERO,
             delay: depal_time::SimDuration::ZERO,
-            signal,
-            value: f64::from(u8::from(value != 0.0)),
+            action: PathAction::Set {
+                signal,
+                value: f64::from(u8::from(value != 0.0)),
+            },
         });
         Ok(asked)
     })

@@ -2,7 +2,8 @@ use depal_vm::{Builtin, BuiltinFn};
 
 use super::{
     analog, dialogs, files, geometry, information, interrupts, io, maths, messages, motion,
-    operator, path, positions, rawbytes, search, settings, socket, strings, timing, triggers,
+    operator, path, positions, rawbytes, search, settings, socket, strings, tasks, timing,
+    triggers,
 };
 use crate::syntax::parser::parse_heading;
 use crate::syntax::tree::Routine;
@@ -27,7 +28,6 @@ pub(super) const REFUSED: &[&str] = &[
     "MoveJSync",
     "MoveCSync",
     "MoveExtJ",
-    "TriggInt",
     "SearchExtJ",
     "StepBwdPath",
     "IODisable",
@@ -38,8 +38,6 @@ pub(super) const REFUSED: &[&str] = &[
     "SocketReceiveFrom",
     "SocketPeek",
     "WriteAnyBin",
-    "ISignalAI",
-    "ISignalAO",
     "GetTrapData",
     "GetDataVal",
     "SetDataVal",
@@ -58,7 +56,6 @@ pub(super) const REFUSED: &[&str] = &[
     "WZBoxDef",
     "WZDOSet",
     "ReadAnyBin",
-    "WaitSyncTask",
     "SyncMoveOn",
     "SyncMoveOff",
     "Load",
@@ -88,7 +85,7 @@ pub fn built_in_names() -> Vec<&'static str> {
 }
 
 pub(super) fn entries() -> Vec<Entry> {
-    let themes: [&[Entry]; 20] = [
+    let themes: [&[Entry]; 21] = [
         &analog::ENTRIES,
         &dialogs::ENTRIES,
         &files::ENTRIES,
@@ -103,6 +100,7 @@ pub(super) fn entries() -> Vec<Entry> {
         &triggers::ENTRIES,
         &geometry::ENTRIES,
         &io::ENTRIES,
+        &tasks::ENTRIES,
         &timing::ENTRIES,
         &messages::ENTRIES,
         &socket::ENTRIES,

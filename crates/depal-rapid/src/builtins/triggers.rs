@@ -1,16 +1,17 @@
-//! Outputs that are set at a place or a time on the way of a move.
+//! Outputs that are set and interrupts that come at a place or a time on the way of a move.
 
 use depal_time::SimDuration;
-use depal_vm::system::{MoveKind, PathEvent, PathPlace, System};
-use depal_vm::{CallContext, Outcome, RaisedError, Value};
+use depal_vm::system::{MoveKind, PathAction, PathEvent, PathPlace, System};
+use depal_vm::{CallContext, Outcome, RaisedError, Trigger, Value};
 
+use super::interrupts::order;
 use super::motion::{Places, cartesian, perform};
 use super::records::{number, part};
 use super::table::Entry;
 
 type Ran = Result<Outcome, RaisedError>;
 
-pub(super) const ENTRIES: [Entry; 5] = [
+pub(super) const ENTRIES: [Entry; 6] = [
     (
         "PROC TriggIO(INOUT triggdata TriggData, num Distance \\switch Start | switch Time \\signaldo DOp | signalgo GOp | signalao AOp, numeric SetValue \\num DODelay)",
         trigg_io,
@@ -18,6 +19,10 @@ pub(super) const ENTRIES: [Entry; 5] = [
     (
         "PROC TriggEquip(INOUT triggdata TriggData, num Distance \\switch Start, num EquipLag \\signaldo DOp | signalgo GOp | signalao AOp, numeric SetValue \\bool Inhib)",
         trigg_equip,
+    ),
+    (
+        "PROC TriggInt(INOUT triggdata TriggData, num Distance \\switch Start | switch Time, INOUT intnum Interrupt)",
+        trigg_int,
     ),
     (
         "PROC TriggL(\\switch Conc, robtarget ToPoint \\num ID, speeddata Speed \\num T, triggdata Trigg_1 \\triggdata T2 \\triggdata T3 \\triggdata T4 \\triggdata T5 \\triggdata T6 \\triggdata T7 \\triggdata T8, zonedata Zone \\stoppointdata Inpos, tooldata Tool \\wobjdata WObj \\switch Corr \\loaddata TLoad)",
@@ -62,9 +67,15 @@ fn output(
     Ok((signal, value))
 }
 
+/// The name of the notice that a move gives for an interrupt of a task.
+fn notice(task: &str, interrupt: u32) -> String {
+    format!("{task} {interrupt}")
+}
+
 fn store(
     context: &mut CallContext<'_>,
     (kind, distance_mm, lead_s, delay_s): (f64, f64, f64, f64),
+    interrupt: u32,
     (signal, value): (String, f64),
 ) -> Ran {
     let mut fields: Vec<_> = [kind, distance_mm, lead_s, delay_s]
@@ -72,6 +83,7 @@ fn store(
         .into();
     fields.push(Value::Str(signal));
     fields.push(Value::Dnum(value));
+    fields.push(Value::Num(interrupt as f32));
     context.assign(0, Value::Record(fields))?;
     Ok(Outcome::Done(Value::Absent))
 }
@@ -97,7 +109,7 @@ fn trigg_io(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         _ => (BEFORE_END, amount, 0.0, delay),
     };
     let output = output(context, system, 4)?;
-    store(context, place, output)
+    store(context, place, 0, output)
 }
 
 /// A distance, less the time that the equipment takes; a negative lag sets it later.
@@ -121,8 +133,41 @@ fn trigg_equip(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     store(
         context,
         (kind, distance, lag.max(0.0), (-lag).max(0.0)),
+        0,
         output,
     )
+}
+
+/// As [`trigg_io`], but the place orders an interrupt.
+fn trigg_int(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let amount = context.number(1)?;
+    let (start, time) = (context.is_given(2), context.is_given(3));
+    if amount < 0.0 || (time && amount > 0.5) {
+        return Err(context.argument_error(format!(
+            "TriggInt: {amount}, expected a distance or a time not below 0, a time of at most 0.5 s"
+        )));
+    }
+    let place = match (start, time) {
+        (true, _) => (AFTER_START, amount, 0.0, 0.0),
+        (_, true) => (BEFORE_END, 0.0, amount, 0.0),
+        _ => (BEFORE_END, amount, 0.0, 0.0),
+    };
+    let number = context.number(4)? as u32;
+    let name = notice(&context.location.task, number);
+    let last = system.notices(&name);
+    let trigger = Trigger::Notice {
+        name: name.clone(),
+        last,
+    };
+    // The same interrupt may be tied to several places.
+    let again = matches!(
+        context.memory.interrupts.find(number).map(|i| &i.trigger),
+        Some(Trigger::Notice { .. })
+    );
+    if !again {
+        order(context, 4, false, trigger)?;
+    }
+    store(context, place, number, (name, 0.0))
 }
 
 fn event(context: &CallContext<'_>, index: usize) -> Result<Option<PathEvent>, RaisedError> {
@@ -136,7 +181,7 @@ fn event(context: &CallContext<'_>, index: usize) -> Result<Option<PathEvent>, R
     };
     if kind == NOT_DEFINED {
         return Err(context.argument_error(
-            "the triggdata is not defined; call TriggIO or TriggEquip with it first",
+            "the triggdata is not defined; call TriggIO, TriggEquip or TriggInt with it first",
         ));
     }
     Ok(Some(PathEvent {
@@ -147,8 +192,14 @@ fn event(context: &CallContext<'_>, index: usize) -> Result<Option<PathEvent>, R
         },
         lead: SimDuration::from_secs_f64(number(data, 2)),
         delay: SimDuration::from_secs_f64(number(data, 3)),
-        signal: signal.clone(),
-        value: number(data, 5),
+        action: if number(data, 6) > 0.0 {
+            PathAction::Notify(signal.clone())
+        } else {
+            PathAction::Set {
+                signal: signal.clone(),
+                value: number(data, 5),
+            }
+        },
     }))
 }
 

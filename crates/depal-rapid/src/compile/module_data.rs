@@ -1,7 +1,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use depal_vm::{Diagnostic, Op, Routine as Lowered, Value};
+use depal_vm::{Diagnostic, Op, Routine as Lowered, SharedDatum, Value};
 
 use super::scope::*;
 use super::types::Type;
@@ -90,8 +90,29 @@ impl Compiler<'_> {
                 symbol.kind = kind.clone();
             }
             self.program.globals[item.slot as usize] = kind.default_value(&self.records);
+            self.share(item, &kind);
         }
         declared
+    }
+
+    /// Notes what other tasks may have in common with this one: persistents that are neither LOCAL nor TASK.
+    /// The name of a meeting point is that of its variable.
+    fn share(&mut self, item: &Declared<'_>, kind: &Type) {
+        let data = item.data;
+        if data.type_name.key() == "syncident"
+            && let Value::Record(fields) = &mut self.program.globals[item.slot as usize]
+        {
+            *fields = vec![Value::Str(data.name.key())];
+        }
+        let common = data.storage == Storage::Pers && !data.local && !data.of_task;
+        if common && item.module > 0 && *kind != Type::Broken {
+            self.program.shared.push(SharedDatum {
+                name: data.name.text.clone(),
+                kind: self.type_name(kind),
+                global: item.slot,
+                has_value: data.value.is_some(),
+            });
+        }
     }
 
     /// Initial values in an order in which each is there before it is used.

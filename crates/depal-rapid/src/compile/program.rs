@@ -5,6 +5,7 @@ use depal_vm::{Diagnostic, LanguageRules, Program, SourceFile};
 use super::scope::*;
 use super::types::SignalKind;
 use super::unused::Homes;
+use crate::TaskEntry;
 use crate::builtins::Table;
 use crate::syntax::tree::*;
 
@@ -13,7 +14,7 @@ pub(crate) fn compile(
     files: &[SourceFile],
     modules: &[Module],
     signals: Option<BTreeMap<String, (String, SignalKind)>>,
-    entry: Option<&str>,
+    entry: Option<&TaskEntry<'_>>,
     table: &Table,
 ) -> (Program, Vec<Diagnostic>) {
     let any_signal = signals.is_none();
@@ -46,7 +47,7 @@ fn run<'a>(
     files: &[SourceFile],
     modules: &[Module],
     (signals, any_signal): (BTreeMap<String, (String, SignalKind)>, bool),
-    entry: Option<&str>,
+    entry: Option<&TaskEntry<'_>>,
     table: &'a Table,
 ) -> Compiler<'a> {
     let line_starts = files
@@ -104,8 +105,8 @@ fn run<'a>(
         compiler.routine(routine, index, &modules[module].name.text);
     }
     if let Some(entry) = entry {
-        compiler.entry(entry);
+        compiler.entries(entry);
     }
-    compiler.unused_modules(modules, &homes, entry.unwrap_or("main"));
+    compiler.unused_modules(modules, &homes, entry.map_or("main", |entry| entry.main));
     compiler
 }

@@ -2,13 +2,15 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use depal_vm::{
-    CallParameter, Diagnostic, ErrorHandler, ErrorNumber, Op, Routine as Lowered, Span, Value,
+    CallParameter, Diagnostic, ErrorHandler, ErrorNumber, EventRoutines, Op, Routine as Lowered,
+    Span, Value,
 };
 
 use super::module_data::constant_of;
 use super::scope::*;
 use super::types::Type;
 use crate::errors;
+use crate::loading::{TaskEntry, TaskEvent};
 use crate::syntax::tree::*;
 
 impl Compiler<'_> {
@@ -246,7 +248,23 @@ impl Compiler<'_> {
         );
     }
 
-    pub(super) fn entry(&mut self, entry: &str) {
+    /// Finds what the task starts with and what runs at its events.
+    pub(super) fn entries(&mut self, entry: &TaskEntry<'_>) {
+        self.program.entry = self.startable(entry.main, true).unwrap_or(0);
+        let mut events = EventRoutines::default();
+        for (event, name, needed) in &entry.events {
+            let list = match event {
+                TaskEvent::BeforeStart => &mut events.before_start,
+                TaskEvent::Stop => &mut events.on_stop,
+                TaskEvent::Restart => &mut events.on_restart,
+            };
+            list.extend(self.startable(name, *needed));
+        }
+        self.program.events = events;
+    }
+
+    /// A procedure that can run by itself.
+    fn startable(&mut self, entry: &str, needed: bool) -> Option<u32> {
         self.module = self.module_scopes.len();
         match self.task.get(&entry.to_lowercase()) {
             Some(Symbol::Routine(RoutineSymbol {
@@ -256,7 +274,7 @@ impl Compiler<'_> {
             })) if signature.result.is_none()
                 && signature.parameters.iter().all(|p| p.optional) =>
             {
-                self.program.entry = *index;
+                return Some(*index);
             }
             Some(other) => {
                 let span = other.span();
@@ -268,6 +286,7 @@ impl Compiler<'_> {
                     ),
                 ));
             }
+            None if !needed => {}
             None => {
                 let names = self.task.values().filter_map(|symbol| match symbol {
                     Symbol::Routine(routine) => Some(routine.signature.name.clone()),
@@ -285,5 +304,6 @@ impl Compiler<'_> {
                 self.error(diagnostic);
             }
         }
+        None
     }
 }

@@ -91,12 +91,10 @@ pub(crate) fn simple_type(name: &str) -> Option<Type> {
 }
 
 /// Types of the controller that are known and not simulated.
-pub(crate) const REFUSED_TYPES: [&str; 14] = [
+pub(crate) const REFUSED_TYPES: [&str; 12] = [
     "trapdata",
     "errdomain",
     "errtype",
-    "syncident",
-    "tasks",
     "identno",
     "wztemporary",
     "wzstationary",

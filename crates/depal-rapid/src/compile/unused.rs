@@ -21,7 +21,10 @@ impl Compiler<'_> {
         let Callee::Routine(entry) = entry.callee else {
             return;
         };
-        let mut open = vec![entry as usize];
+        let events = &self.program.events;
+        let lists = [&events.before_start, &events.on_stop, &events.on_restart];
+        let events = lists.into_iter().flatten().map(|routine| *routine as usize);
+        let mut open: Vec<usize> = events.chain([entry as usize]).collect();
         open.extend(self.program.initializer.map(|i| i as usize));
         let mut seen = BTreeSet::new();
         let mut used: BTreeSet<usize> = BTreeSet::new();

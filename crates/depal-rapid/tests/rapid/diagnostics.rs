@@ -75,7 +75,7 @@ fn duplicates_and_headings() {
   VAR num a;
   VAR bool A;
   VAR nmu b;
-  VAR syncident i;
+  VAR egmident i;
   VAR num list{0};
   FUNC num f()
   ENDFUNC

@@ -137,8 +137,9 @@ impl Machine {
                 frame.pc -= 1;
                 Ok(Flow::Blocked)
             }
-            Outcome::Stop(reason) => Ok(Flow::End(Step::Stopped(reason))),
+            Outcome::Stop(reason) => Ok(self.stop(reason)),
             Outcome::Restart if self.single_cycle => {
+                self.memory.frames.clear();
                 Ok(Flow::End(Step::Stopped("ExitCycle".into())))
             }
             Outcome::Restart => {

@@ -42,8 +42,8 @@ impl Machine {
                 taker = Some(height);
                 break;
             }
-            if frame.interrupt.is_some() {
-                // What an interrupt's routine does not handle stops the program.
+            if frame.interrupt.is_some() || frame.is_event {
+                // What the routine of an interrupt or an event does not handle stops the program.
                 break;
             }
         }

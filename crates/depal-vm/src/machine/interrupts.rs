@@ -22,6 +22,31 @@ impl Machine {
                     *last = value;
                     changed && wanted.is_none_or(|wanted| wanted == value)
                 }
+                Trigger::Level {
+                    name,
+                    wanted,
+                    step,
+                    direction,
+                    last,
+                } => {
+                    let value = system.signal(name).unwrap_or(*last);
+                    let moved = match direction.signum() {
+                        1 => value - *last,
+                        -1 => *last - value,
+                        _ => (value - *last).abs(),
+                    };
+                    let came = moved > *step && wanted.holds(value);
+                    if came {
+                        *last = value;
+                    }
+                    came
+                }
+                Trigger::Notice { name, last } => {
+                    let count = system.notices(name);
+                    let came = count > *last;
+                    *last = count;
+                    came
+                }
                 Trigger::Timer { period, due } => {
                     let passed = system.now() >= *due;
                     if passed {

@@ -1,5 +1,6 @@
 mod calls;
 mod errors;
+mod events;
 mod interrupts;
 mod operations;
 mod step;
@@ -24,6 +25,9 @@ pub struct Machine {
     last_error: i64,
     ended: Option<Step>,
     single_cycle: bool,
+    cyclic: bool,
+    /// How the program stopped, and the height of the call stack then, while the routines of that event run.
+    stopping: Option<(usize, Step)>,
     /// An error on its way through UNDO clauses to the frame of this height.
     unwinding: Option<(RaisedError, usize)>,
     /// Emptied locals and operands of frames that were left, to be filled again.
@@ -57,10 +61,14 @@ impl Machine {
             last_error: 0,
             ended: None,
             single_cycle: false,
+            cyclic: false,
+            stopping: None,
             unwinding: None,
             spare: Vec::new(),
         };
         machine.begin();
+        let before_start = machine.program.events.before_start.clone();
+        machine.push_events(&before_start);
         if let Some(initializer) = machine.program.initializer {
             machine.push_frame(initializer, Vec::new());
         }
@@ -72,6 +80,13 @@ impl Machine {
     #[must_use]
     pub fn single_cycle(mut self) -> Self {
         self.single_cycle = true;
+        self
+    }
+
+    /// Begins anew in the next tick when the entry routine has returned, as background tasks do.
+    #[must_use]
+    pub fn cyclic(mut self) -> Self {
+        self.cyclic = true;
         self
     }
 

@@ -205,6 +205,9 @@ impl Machine {
                     (Some(frame), Some(result)) => frame.operands.push(result),
                     (Some(_), None) => {}
                 }
+                if let Some(flow) = self.stopped() {
+                    return Ok(flow);
+                }
             }
             Op::MissingReturn => {
                 let routine = self.frame().routine;
@@ -240,7 +243,11 @@ impl Machine {
                 return Ok(Flow::Blocked);
             }
             Op::Fault(fault) => return Err((**fault).clone()),
-            Op::Stop(reason) => return Ok(Flow::End(Step::Stopped(reason.clone()))),
+            Op::Stop(reason) => {
+                // The program is given up; it cannot go on.
+                self.memory.frames.clear();
+                return Ok(Flow::End(Step::Stopped(reason.clone())));
+            }
             Op::CallByName { arguments } => self.call_by_name(*arguments)?,
             Op::Connect(routine) => self.connect(*routine)?,
             Op::LoadInterruptNumber => {

@@ -1,9 +1,9 @@
 use std::sync::Arc;
 
 use super::{Flow, Machine};
-use crate::Op;
 use crate::execution::{RobotTask, Step};
 use crate::system::{ProgramLocation, System};
+use crate::{Op, SharedDatum, Value};
 
 impl Machine {
     /// Runs statements of plain arithmetic from the statement at which the innermost frame stands, if it can
@@ -85,6 +85,12 @@ impl RobotTask for Machine {
                     self.locate();
                     return Step::Blocked;
                 }
+                Flow::End(Step::Finished) if self.cyclic => {
+                    // The next round begins in the next tick, so that an empty one takes time, too.
+                    self.begin();
+                    self.locate();
+                    return Step::Blocked;
+                }
                 Flow::End(step) => break step,
             }
         };
@@ -94,5 +100,46 @@ impl RobotTask for Machine {
 
     fn location(&self) -> ProgramLocation {
         self.location.clone()
+    }
+
+    fn initialize(&mut self, system: &mut dyn System) {
+        let program = Arc::clone(&self.program);
+        while self.ended.is_none()
+            && let Some(frame) = self.memory.frames.last_mut()
+            && program.initializer == Some(frame.routine)
+        {
+            let code = &program.routines[frame.routine as usize].code;
+            let Some(op) = code.get(frame.pc as usize) else {
+                break;
+            };
+            frame.pc += 1;
+            match self.dispatch(system, op) {
+                Flow::Next => {}
+                Flow::Blocked => break,
+                Flow::End(step) => self.ended = Some(step),
+            }
+        }
+        self.locate();
+    }
+
+    fn restart(&mut self) -> bool {
+        self.go_on()
+    }
+
+    fn shared_data(&self) -> &[SharedDatum] {
+        &self.program.shared
+    }
+
+    fn shared_value(&self, index: usize) -> Option<&Value> {
+        let datum = self.program.shared.get(index)?;
+        self.memory.globals.get(datum.global as usize)
+    }
+
+    fn set_shared(&mut self, index: usize, value: Value) {
+        let datum = self.program.shared.get(index);
+        let slot = datum.and_then(|datum| self.memory.globals.get_mut(datum.global as usize));
+        if let Some(slot) = slot {
+            *slot = value;
+        }
     }
 }
