@@ -35,7 +35,22 @@ pub(crate) struct Checker<'a> {
     pub most_checks: usize,
 }
 
-impl Checker<'_> {
+impl<'a> Checker<'a> {
+    /// For bare bodies, without a limit.
+    pub fn bare(scene: &'a Scene<'a>) -> Self {
+        Self {
+            scene,
+            thickness: BARE,
+            checks: 0,
+            most_checks: usize::MAX,
+        }
+    }
+
+    pub fn line_is_free(&mut self, from: &JointPositions, to: &JointPositions, step: f64) -> bool {
+        let states = BlendedPath::new(&[*from, *to], &[0.0, 0.0]).states(step, from);
+        self.all_free(&states)
+    }
+
     pub fn spent(&self) -> bool {
         self.checks >= self.most_checks
     }
