@@ -1,6 +1,6 @@
 //! Ways among boxes: one state, one edge, the 44 transfers off a pallet, and the hard cells in full.
 //!
-//! The two sets are run once in full and summed up in one line each before the timed runs.
+//! The sets are run once in full and summed up in one line each before the timed runs; with `LISTED` set, line by line.
 #![allow(missing_docs)]
 // A bench reads the clock; that is what it is for.
 #![allow(clippy::disallowed_methods)]
@@ -51,6 +51,17 @@ fn summary(name: &str, questions: &[Question]) {
         plan_ms.push(before.elapsed().as_secs_f64() * 1e3);
         match outcome {
             Ok(plan) => {
+                if std::env::var_os("LISTED").is_some() {
+                    println!(
+                        "  {}: {:.3}, {} points, {:.1} mm, {}, {:.2} ms",
+                        question.name,
+                        plan.motion_time / plan.lower_bound,
+                        plan.waypoints.len(),
+                        plan.min_clearance * 1e3,
+                        plan.found_by,
+                        plan_ms[plan_ms.len() - 1],
+                    );
+                }
                 ratios.push(plan.motion_time / plan.lower_bound);
                 points.push(plan.waypoints.len() as f64);
                 touches += usize::from(Oracle::new(&question.scene, 0.0).check(&plan).is_err());
@@ -80,7 +91,10 @@ fn summary(name: &str, questions: &[Question]) {
 fn bench_transfers(criterion: &mut Criterion) {
     let set = pallet();
     summary("44 transfers", &set);
-    summary("hard cells", &hard_set::questions(1, HARD_PER_KIND));
+    let hard = hard_set::questions(1, HARD_PER_KIND);
+    for (kind, part) in hard_set::KINDS.iter().zip(hard.chunks(HARD_PER_KIND)) {
+        summary(kind, part);
+    }
     let question = &set[5];
     let checker = TransferChecker::new(&question.scene);
     let (start, goal) = (question.start, question.goal);

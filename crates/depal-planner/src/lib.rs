@@ -50,6 +50,7 @@ mod search;
 mod suction;
 mod timing;
 mod transfer;
+mod tree;
 mod world;
 
 pub use plan::{Motion, PickPlan, Waypoint};

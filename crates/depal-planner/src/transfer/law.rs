@@ -3,8 +3,12 @@
 use depal_arm::JointLimit;
 use depal_frames::JointPositions;
 
+pub(crate) use crate::tree::distance;
+
 /// Cells into which a corner is cut for its time law.
 const CORNER_CELLS: usize = 10;
+/// ... and for a rough one.
+const ROUGH_CELLS: usize = 4;
 /// Steps shorter than this, rad, are no motion.
 const STILL: f64 = 1e-9;
 
@@ -50,14 +54,6 @@ impl Piece {
 #[derive(Debug, Clone)]
 pub(crate) struct BlendedPath {
     pub pieces: Vec<Piece>,
-}
-
-pub(crate) fn distance(a: &JointPositions, b: &JointPositions) -> f64 {
-    a.iter()
-        .zip(b.iter())
-        .map(|(x, y)| (x - y) * (x - y))
-        .sum::<f64>()
-        .sqrt()
 }
 
 impl BlendedPath {
@@ -119,9 +115,18 @@ impl BlendedPath {
     /// is constant in each cell, and because the joint accelerations are then linear in `s`
     /// the limits at both ends of a cell hold in all of it.
     pub fn time(&self, limits: &[JointLimit]) -> f64 {
-        let mut cells: Vec<Cell> = Vec::with_capacity(self.pieces.len() * CORNER_CELLS);
+        self.time_in_cells(limits, CORNER_CELLS)
+    }
+
+    /// The same with corners cut into fewer cells: a few thousandths more, in half the effort.
+    pub fn rough_time(&self, limits: &[JointLimit]) -> f64 {
+        self.time_in_cells(limits, ROUGH_CELLS)
+    }
+
+    fn time_in_cells(&self, limits: &[JointLimit], corner_cells: usize) -> f64 {
+        let mut cells: Vec<Cell> = Vec::with_capacity(self.pieces.len() * corner_cells);
         for piece in &self.pieces {
-            let count = if piece.is_corner { CORNER_CELLS } else { 1 };
+            let count = if piece.is_corner { corner_cells } else { 1 };
             for i in 0..count {
                 cells.push(Cell::new(piece, i, count, limits));
             }

@@ -1,12 +1,12 @@
 //! The ladder.
 
 use depal_frames::{JointPositions, Pose, Vector};
-use depal_time::RandomStreams;
+use depal_time::{RandomStream, RandomStreams};
 
 use super::{
     certificate::certify,
     law::{BlendedPath, fitting_blends, lower_bound},
-    refine::{Route, refine},
+    refine::{Effort, Route, refine},
     request::{TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint},
     scene::{BARE, Contact, PADDINGS, Scene},
     tree::grow,
@@ -24,6 +24,27 @@ const STEP: f64 = 0.05;
 const FINE_STEP: f64 = 0.01;
 /// Heights by which the tool is raised, m.
 const HEIGHTS_M: [f64; 6] = [0.1, 0.2, 0.35, 0.55, 0.8, 1.1];
+/// Shares of the turn at which a single raised via lies.
+const TURNED: [f64; 3] = [0.25, 0.5, 0.75];
+/// A way that takes this much longer than the bound is a long way round.
+const LONG: f64 = 1.25;
+/// Other ways looked for then ...
+const OTHER_WAYS: usize = 4;
+/// ... each with at most so many states checked.
+const OTHER_CHECKS: usize = 6000;
+/// Effort of bending: the first way, each other one, and the best of them once more.
+const FIRST_EFFORT: Effort = Effort {
+    changes: 300,
+    checks: 1200,
+};
+const OTHER_EFFORT: Effort = Effort {
+    changes: 150,
+    checks: 1000,
+};
+const LAST_EFFORT: Effort = Effort {
+    changes: 500,
+    checks: 4000,
+};
 /// Shares of the way to the base by which the raised tool is drawn in.
 const DRAWN_IN: [f64; 3] = [0.0, 0.15, 0.35];
 
@@ -33,6 +54,8 @@ pub(crate) struct Checker<'a> {
     pub thickness: usize,
     pub checks: usize,
     pub most_checks: usize,
+    /// Where along its way the last blocked path was blocked, 0 to 1: the next one is looked at there first.
+    pub hint: f64,
 }
 
 impl<'a> Checker<'a> {
@@ -43,16 +66,13 @@ impl<'a> Checker<'a> {
             thickness: BARE,
             checks: 0,
             most_checks: usize::MAX,
+            hint: 0.5,
         }
     }
 
     pub fn line_is_free(&mut self, from: &JointPositions, to: &JointPositions, step: f64) -> bool {
         let states = BlendedPath::new(&[*from, *to], &[0.0, 0.0]).states(step, from);
         self.all_free(&states)
-    }
-
-    pub fn spent(&self) -> bool {
-        self.checks >= self.most_checks
     }
 
     pub fn step(&self) -> f64 {
@@ -71,6 +91,7 @@ impl<'a> Checker<'a> {
         while stride > 1 {
             for i in (stride / 2..count).step_by(stride) {
                 if self.contact(&states[i]).is_some() {
+                    self.hint = i as f64 / (count - 1) as f64;
                     return false;
                 }
             }
@@ -81,7 +102,8 @@ impl<'a> Checker<'a> {
 
     pub fn path_is_free(&mut self, path: &BlendedPath, start: &JointPositions) -> bool {
         let states = path.states(self.step(), start);
-        self.all_free(&states)
+        let hint = ((states.len() - 1) as f64 * self.hint).round() as usize;
+        self.contact(&states[hint]).is_none() && self.all_free(&states)
     }
 
     pub fn edge_is_free(&mut self, from: &JointPositions, to: &JointPositions) -> bool {
@@ -266,6 +288,7 @@ fn plan_to(
             thickness,
             checks: 0,
             most_checks: most_checks / usable.len().max(1),
+            hint: 0.5,
         };
         if turn > 0 {
             // What the thick bodies could not pass needs the search more than the vias.
@@ -285,7 +308,7 @@ fn plan_to(
         let Some(found) = route else {
             continue;
         };
-        let refined = refine(&mut checker, found.clone(), &mut random);
+        let (refined, found_by) = improve(&mut checker, &found, found_by, &mut random);
         // The search may leave corners out between its checks; a way that stops at every point is the safer one.
         let stopping = found.stopping();
         for candidate in [&refined, &found, &stopping] {
@@ -337,7 +360,38 @@ fn plan_to(
     ))
 }
 
-/// The first free of the raised ways, fastest first.
+/// Bends a found way; where it stays a long way round, looks for others and bends the best of them further.
+fn improve(
+    checker: &mut Checker,
+    found: &Route,
+    mut found_by: &'static str,
+    random: &mut RandomStream,
+) -> (Route, &'static str) {
+    let limits = checker.scene.arm.limits();
+    let (start, goal) = (found.points[0], found.points[found.points.len() - 1]);
+    let bound = lower_bound(&start, &goal, limits);
+    let mut best = refine(checker, found.clone(), FIRST_EFFORT, random);
+    let mut time = best.rough_time(limits);
+    if time <= bound * LONG {
+        return (best, found_by);
+    }
+    let most_checks = checker.most_checks;
+    for _ in 0..OTHER_WAYS {
+        checker.most_checks = most_checks.min(checker.checks + OTHER_CHECKS);
+        let Some(way) = grow(checker, &start, &goal, random, &mut 0) else {
+            continue;
+        };
+        let other = refine(checker, Route::new(way), OTHER_EFFORT, random);
+        let other_time = other.rough_time(limits);
+        if other_time < time {
+            (best, time, found_by) = (other, other_time, "search");
+        }
+    }
+    checker.most_checks = most_checks;
+    (refine(checker, best, LAST_EFFORT, random), found_by)
+}
+
+/// The first free of the raised ways, fastest first; straight up before drawn in.
 fn raised(checker: &mut Checker, start: &JointPositions, goal: &JointPositions) -> Option<Route> {
     let arm = checker.scene.arm;
     let limits = arm.limits();
@@ -349,27 +403,31 @@ fn raised(checker: &mut Checker, start: &JointPositions, goal: &JointPositions) 
         // Another branch is another way.
         (near.max_distance(at) < 1.2).then_some(near)
     };
-    let mut routes = Vec::new();
-    for height in HEIGHTS_M {
-        for drawn_in in DRAWN_IN {
+    DRAWN_IN.iter().find_map(|&drawn_in| {
+        let mut routes = Vec::new();
+        for height in HEIGHTS_M {
             let (up, over) = (via(start, height, drawn_in), via(goal, height, drawn_in));
             if let (Some(up), Some(over)) = (up, over) {
                 routes.push(Route::new(vec![*start, up, over, *goal]));
+                for share in TURNED {
+                    let high = up.lerp(&over, share);
+                    routes.push(Route::new(vec![*start, high, *goal]));
+                }
             }
-            if let Some(up) = up {
-                routes.push(Route::new(vec![*start, up, *goal]));
-            }
-            if let Some(over) = over {
-                routes.push(Route::new(vec![*start, over, *goal]));
+            for via in [up, over].into_iter().flatten() {
+                routes.push(Route::new(vec![*start, via, *goal]));
             }
         }
-    }
-    let mut timed: Vec<(f64, Route)> = routes.into_iter().map(|r| (r.time(limits), r)).collect();
-    timed.sort_by(|a, b| a.0.total_cmp(&b.0));
-    timed
-        .into_iter()
-        .map(|(_, route)| route)
-        .find(|route| checker.path_is_free(&route.path(), start))
+        let mut timed: Vec<(f64, Route)> = routes
+            .into_iter()
+            .map(|r| (r.rough_time(limits), r))
+            .collect();
+        timed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        timed
+            .into_iter()
+            .map(|(_, route)| route)
+            .find(|route| checker.path_is_free(&route.path(), start))
+    })
 }
 
 fn plan(scene: &Scene, route: &Route, clearance: f64, found_by: &'static str) -> TransferPlan {
