@@ -11,6 +11,18 @@ pub(crate) struct Oriented {
     pub half: [f64; 3],
 }
 
+#[inline]
+fn magnitudes(rows: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let mut out = *rows;
+    for row in &mut out {
+        for value in row {
+            *value = value.abs();
+        }
+    }
+    out
+}
+
+#[inline]
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -43,10 +55,13 @@ impl Oriented {
 
     /// Half extents of the box around it along the base's axes.
     pub fn extents(&self) -> [f64; 3] {
-        [0, 1, 2].map(|k| {
-            let along = |i: usize| self.axes[i][k].abs() * self.half[i];
-            along(0) + along(1) + along(2)
-        })
+        let mut extents = [0.0; 3];
+        for (axis, half) in self.axes.iter().zip(&self.half) {
+            for k in 0..3 {
+                extents[k] += axis[k].abs() * half;
+            }
+        }
+        extents
     }
 
     pub fn corners(&self) -> [Point; 8] {
@@ -66,12 +81,21 @@ impl Oriented {
         })
     }
 
+    #[inline]
     fn relation(&self, other: &Self) -> Relation {
-        let between = [0, 1, 2].map(|i| other.centre[i] - self.centre[i]);
-        Relation {
-            at: [0, 1, 2].map(|i| dot(&between, &self.axes[i])),
-            cosines: [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(&self.axes[i], &other.axes[j]))),
+        let (c, o) = (&self.centre, &other.centre);
+        let between = [o[0] - c[0], o[1] - c[1], o[2] - c[2]];
+        let mut relation = Relation {
+            at: [0.0; 3],
+            cosines: [[0.0; 3]; 3],
+        };
+        for i in 0..3 {
+            relation.at[i] = dot(&between, &self.axes[i]);
+            for j in 0..3 {
+                relation.cosines[i][j] = dot(&self.axes[i], &other.axes[j]);
+            }
         }
+        relation
     }
 
     /// Separating axes: the faces of both and the products of their edges
@@ -79,7 +103,7 @@ impl Oriented {
     pub fn meets(&self, other: &Self) -> bool {
         let Relation { at, cosines: c } = self.relation(other);
         let (a, b) = (&self.half, &other.half);
-        let turned = c.map(|row| row.map(f64::abs));
+        let turned = magnitudes(&c);
         for i in 0..3 {
             if at[i].abs() > a[i] + dot(&turned[i], b) {
                 return false;
@@ -116,7 +140,7 @@ impl Oriented {
     pub fn least_distance(&self, other: &Self) -> f64 {
         let Relation { at, cosines: c } = self.relation(other);
         let (a, b) = (&self.half, &other.half);
-        let turned = c.map(|row| row.map(f64::abs));
+        let turned = magnitudes(&c);
         let (mut first, mut second) = (0.0, 0.0);
         for i in 0..3 {
             let gap = (at[i].abs() - a[i] - dot(&turned[i], b)).max(0.0);

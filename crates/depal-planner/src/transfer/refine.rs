@@ -93,7 +93,7 @@ pub(crate) fn refine(
         };
         let path = changed.path();
         let changed_time = path.rough_time(limits);
-        if changed_time < time - 1e-4 && checker.path_is_free(&path, &start) {
+        if changed_time < time - 1e-4 && checker.path_is_free(&path) {
             (best, time) = (changed, changed_time);
             size = (size * 1.5_f64).min(0.4);
         } else {

@@ -5,7 +5,7 @@ use depal_time::{RandomStream, RandomStreams};
 
 use super::{
     certificate::certify,
-    law::{BlendedPath, fitting_blends, lower_bound},
+    law::{BlendedPath, Samples, fitting_blends, lower_bound},
     refine::{Effort, Route, refine},
     request::{TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint},
     scene::{BARE, Contact, PADDINGS, Scene},
@@ -15,7 +15,7 @@ use super::{
 /// Seed of everything random here.
 const SEED: u64 = 1;
 /// States that may be checked in search of one way.
-const MOST_CHECKS: usize = 160_000;
+const MOST_CHECKS: usize = 300_000;
 /// Goal postures of a pose that are tried.
 const MOST_GOALS: usize = 12;
 /// Neighbouring states of a checked path, rad.
@@ -56,6 +56,8 @@ pub(crate) struct Checker<'a> {
     pub most_checks: usize,
     /// Where along its way the last blocked path was blocked, 0 to 1: the next one is looked at there first.
     pub hint: f64,
+    /// Small steps in spite of thick bodies: something thin stands in the way.
+    pub careful: bool,
 }
 
 impl<'a> Checker<'a> {
@@ -67,16 +69,22 @@ impl<'a> Checker<'a> {
             checks: 0,
             most_checks: usize::MAX,
             hint: 0.5,
+            careful: false,
         }
     }
 
+    /// The far end is a state of its own: a line without length has no others.
     pub fn line_is_free(&mut self, from: &JointPositions, to: &JointPositions, step: f64) -> bool {
-        let states = BlendedPath::new(&[*from, *to], &[0.0, 0.0]).states(step, from);
-        self.all_free(&states)
+        let path = BlendedPath::new(&[*from, *to], &[0.0, 0.0]);
+        self.all_free(&path.samples(step)) && self.contact(to).is_none()
     }
 
     pub fn step(&self) -> f64 {
-        if self.thickness == 0 { STEP } else { FINE_STEP }
+        if self.thickness == 0 && !self.careful {
+            STEP
+        } else {
+            FINE_STEP
+        }
     }
 
     pub fn contact(&mut self, joints: &JointPositions) -> Option<Contact> {
@@ -85,30 +93,33 @@ impl<'a> Checker<'a> {
     }
 
     /// Whether all states are free: the middle first, then the middles of the halves, and so on.
-    pub fn all_free(&mut self, states: &[JointPositions]) -> bool {
-        let count = states.len();
+    pub fn all_free(&mut self, states: &Samples) -> bool {
+        let count = states.count();
         let mut stride = count.next_power_of_two();
         while stride > 1 {
             for i in (stride / 2..count).step_by(stride) {
-                if self.contact(&states[i]).is_some() {
+                if self.contact(&states.at(i)).is_some() {
                     self.hint = i as f64 / (count - 1) as f64;
                     return false;
                 }
             }
             stride /= 2;
         }
-        states.first().is_none_or(|s| self.contact(s).is_none())
+        count == 0 || self.contact(&states.at(0)).is_none()
     }
 
-    pub fn path_is_free(&mut self, path: &BlendedPath, start: &JointPositions) -> bool {
-        let states = path.states(self.step(), start);
-        let hint = ((states.len() - 1) as f64 * self.hint).round() as usize;
-        self.contact(&states[hint]).is_none() && self.all_free(&states)
+    pub fn path_is_free(&mut self, path: &BlendedPath) -> bool {
+        let states = path.samples(self.step());
+        if states.count() == 0 {
+            return true;
+        }
+        let hint = ((states.count() - 1) as f64 * self.hint).round() as usize;
+        self.contact(&states.at(hint)).is_none() && self.all_free(&states)
     }
 
     pub fn edge_is_free(&mut self, from: &JointPositions, to: &JointPositions) -> bool {
         let path = BlendedPath::new(&[*from, *to], &[0.0, 0.0]);
-        self.path_is_free(&path, from)
+        self.all_free(&path.samples(self.step()))
     }
 }
 
@@ -289,6 +300,7 @@ fn plan_to(
             checks: 0,
             most_checks: most_checks / usable.len().max(1),
             hint: 0.5,
+            careful: false,
         };
         if turn > 0 {
             // What the thick bodies could not pass needs the search more than the vias.
@@ -296,8 +308,7 @@ fn plan_to(
         }
         let mut random = RandomStreams::new(SEED).stream("transfer");
         let direct = Route::new(vec![*start, *goal]);
-        let free = direct.path().states(checker.step(), start);
-        let (route, found_by) = if checker.all_free(&free) {
+        let (route, found_by) = if checker.all_free(&direct.path().samples(checker.step())) {
             (Some(direct), "direct")
         } else if let Some(route) = raised(&mut checker, start, goal) {
             (Some(route), "raised vias")
@@ -308,28 +319,26 @@ fn plan_to(
         let Some(found) = route else {
             continue;
         };
-        let (refined, found_by) = improve(&mut checker, &found, found_by, &mut random);
+        // Thick bodies in large steps may still step across a thin one: then once more in small steps.
+        for careful in [false, true] {
+            checker.careful = careful;
+            if careful && !checker.path_is_free(&found.path()) {
+                break;
+            }
+            let (refined, found_by) = improve(&mut checker, &found, found_by, &mut random);
+            match proved(scene, start, &refined, found_by) {
+                Ok(plan) => return Ok(plan),
+                Err(why) => failed = why,
+            }
+            if thickness > 0 {
+                break;
+            }
+        }
         // The search may leave corners out between its checks; a way that stops at every point is the safer one.
-        let stopping = found.stopping();
-        for candidate in [&refined, &found, &stopping] {
-            let path = candidate.path();
-            match certify(scene, start, &path) {
-                Ok(clearance) => {
-                    let clearance = match scene.rigid_distance() {
-                        Some((rigid, _)) => clearance.min(rigid),
-                        None => clearance,
-                    };
-                    return Ok(plan(scene, candidate, clearance, found_by));
-                }
-                Err(Some(contact)) => {
-                    failed = format!(
-                        "a way was found but its fine check says: {}",
-                        scene.words(contact)
-                    );
-                }
-                Err(None) => {
-                    "a way was found but comes too close to be proved free".clone_into(&mut failed);
-                }
+        for candidate in [&found, &found.stopping()] {
+            match proved(scene, start, candidate, found_by) {
+                Ok(plan) => return Ok(plan),
+                Err(why) => failed = why,
             }
         }
     }
@@ -342,22 +351,44 @@ fn plan_to(
             PADDINGS[PADDINGS.len() - 1] * 1e3
         ));
     }
-    let states = BlendedPath::new(&[*start, *goal], &[0.0; 2]).states(FINE_STEP, start);
-    let blocked = states
-        .iter()
-        .enumerate()
-        .find_map(|(i, q)| scene.contact(q, BARE).map(|c| (i, c)));
+    let path = BlendedPath::new(&[*start, *goal], &[0.0; 2]);
+    let states = path.samples(FINE_STEP);
+    let blocked = (0..states.count())
+        .find_map(|i| scene.contact(&states.at(i), BARE).map(|contact| (i, contact)));
     let straight = match blocked {
         Some((i, contact)) => format!(
             "on the straight move {} after {} % of the way",
             scene.words(contact),
-            i * 100 / (states.len() - 1)
+            i * 100 / (states.count() - 1)
         ),
         None => "the straight move passes too close".to_owned(),
     };
     Err(format!(
         "no free way found: {straight}; no raised way is free; the search gave up after {rounds} random postures"
     ))
+}
+
+/// The plan of a route, when the certificate agrees.
+fn proved(
+    scene: &Scene,
+    start: &JointPositions,
+    route: &Route,
+    found_by: &'static str,
+) -> Result<TransferPlan, String> {
+    match certify(scene, start, &route.path()) {
+        Ok(clearance) => {
+            let clearance = match scene.rigid_distance() {
+                Some((rigid, _)) => clearance.min(rigid),
+                None => clearance,
+            };
+            Ok(plan(scene, route, clearance, found_by))
+        }
+        Err(Some(contact)) => Err(format!(
+            "a way was found but its fine check says: {}",
+            scene.words(contact)
+        )),
+        Err(None) => Err("a way was found but comes too close to be proved free".to_owned()),
+    }
 }
 
 /// Bends a found way; where it stays a long way round, looks for others and bends the best of them further.
@@ -426,7 +457,7 @@ fn raised(checker: &mut Checker, start: &JointPositions, goal: &JointPositions) 
         timed
             .into_iter()
             .map(|(_, route)| route)
-            .find(|route| checker.path_is_free(&route.path(), start))
+            .find(|route| checker.path_is_free(&route.path()))
     })
 }
 

@@ -84,13 +84,10 @@ struct Obstacles {
 
 fn around(at: &Oriented, grown: f64) -> Aabb {
     let (c, e) = (at.centre, at.extents());
-    let corner = |sign: f64| {
-        let [x, y, z] = [0, 1, 2].map(|i| (c[i] + sign * (e[i] + grown)) as f32);
-        Vector32::new(x, y, z)
-    };
     // A hair wider than what rounding takes away.
-    let hair = Vector32::splat(1e-6);
-    Aabb::new(corner(-1.0) - hair, corner(1.0) + hair)
+    let side = |i: usize, sign: f64| (c[i] + sign * (e[i] + grown + 1e-6)) as f32;
+    let corner = |sign: f64| Vector32::new(side(0, sign), side(1, sign), side(2, sign));
+    Aabb::new(corner(-1.0), corner(1.0))
 }
 
 impl Obstacles {

@@ -92,8 +92,13 @@ pub fn stretches(plan: &TransferPlan) -> Vec<Stretch> {
                 p: None,
                 b: towards(to, from, *blend),
                 length: room - cut - blend,
-                stops: *blend == 0.0,
+                stops: false,
             });
+        }
+        if *blend == 0.0
+            && let Some(last) = way.last_mut()
+        {
+            last.stops = true;
         }
         if *blend > 0.0 {
             way.push(Stretch {
