@@ -7,15 +7,19 @@ use crate::chain::Chain;
 /// Axes may be this far from where a palletizer has them, metres or (for directions) unitless.
 const TOLERANCE: f64 = 1e-6;
 
-/// Closed form for a four-axis palletizer whose parallelogram is written as a chain of six turning links:
-/// 1, 2, minus 2, 3, minus 3, 4. Joint angles 2 and 3 are those of the motors, against the vertical and the horizontal;
-/// the two counter-turns (mimics) keep the flange level.
+/// Closed form for a four-axis palletizer whose parallelogram is written as a chain of six turning links.
+/// Either 1, 2, minus 2, 3, minus 3, 4: joint angles 2 and 3 are those of the motors, against the vertical and the
+/// horizontal. Or 1, 2, 3, minus 3, minus 2, 4: joint angle 3 is counted from the upper arm.
+/// The two counter-turns (mimics) keep the flange level.
 ///
-/// In the plane of the arm the flange is at `fixed + turn(2) * upper + turn(3) * fore`: a triangle.
+/// In the plane of the arm the flange is at `fixed + turn(2) * upper + turn(3) * fore`: a triangle,
+/// where `turn(3)` is that of the forearm against the base.
 #[derive(Debug, Clone)]
 pub(crate) struct Palletizer {
     /// Of joints 1, 2, 3, 4: +1 about Z, Y, Y and Z.
     signs: [f64; 4],
+    /// Joint 3 is counted from the upper arm.
+    from_upper_arm: bool,
     /// In the plane (x outwards, z up), m.
     fixed: (f64, f64),
     upper: (f64, f64),
@@ -26,8 +30,11 @@ pub(crate) struct Palletizer {
 
 impl Palletizer {
     pub fn recognise(chain: &Chain, names: &[String]) -> Option<Self> {
+        const ABSOLUTE: [(usize, f64); 6] =
+            [(0, 1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0), (3, 1.0)];
+        const FROM_UPPER_ARM: [(usize, f64); 6] =
+            [(0, 1.0), (1, 1.0), (2, 1.0), (2, -1.0), (1, -1.0), (3, 1.0)];
         let axes = chain.axes_at_zero(names.len());
-        let pattern = [(0, 1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0), (3, 1.0)];
         if axes.len() != 6 || names.len() != 4 {
             return None;
         }
@@ -39,17 +46,24 @@ impl Palletizer {
             Vector::y(),
             Vector::z(),
         ];
-        for ((axis, (index, factor)), along) in axes.iter().zip(pattern).zip(along) {
-            let turned = axis.direction.dot(&along) * axis.multiplier;
-            let driver = axes.iter().find(|a| a.index == index)?;
-            let forward = driver.direction.dot(&along) * driver.multiplier;
-            if axis.index != index
-                || axis.offset != 0.0
-                || (turned.abs() - 1.0).abs() > TOLERANCE
-                || (turned - factor * forward).abs() > TOLERANCE
-            {
-                return None;
-            }
+        let follows = |pattern: &[(usize, f64); 6]| {
+            axes.iter()
+                .zip(pattern)
+                .zip(&along)
+                .all(|((axis, &(index, factor)), along)| {
+                    let turned = axis.direction.dot(along) * axis.multiplier;
+                    axes.iter().find(|a| a.index == index).is_some_and(|driver| {
+                        let forward = driver.direction.dot(along) * driver.multiplier;
+                        axis.index == index
+                            && axis.offset == 0.0
+                            && (turned.abs() - 1.0).abs() <= TOLERANCE
+                            && (turned - factor * forward).abs() <= TOLERANCE
+                    })
+                })
+        };
+        let from_upper_arm = follows(&FROM_UPPER_ARM);
+        if !from_upper_arm && !follows(&ABSOLUTE) {
+            return None;
         }
         let flange = chain.base_from_tip(&JointPositions::zeros(4));
         let tip = flange.translation.vector;
@@ -64,11 +78,18 @@ impl Palletizer {
         let plane = |v: Vector| (v.x, v.z);
         let p: Vec<Vector> = axes.iter().map(|a| a.point).collect();
         let sign = |i: usize| axes[i].direction.dot(&along[i]).signum();
+        // Which links are turned by the upper arm's angle, by the forearm's, and by neither.
+        let (third, fixed, upper, fore) = if from_upper_arm {
+            (2, p[1] + (tip - p[4]), (p[2] - p[1]) + (p[4] - p[3]), p[3] - p[2])
+        } else {
+            (3, p[1] + (p[3] - p[2]) + (tip - p[4]), p[2] - p[1], p[4] - p[3])
+        };
         Some(Self {
-            signs: [sign(0), sign(1), sign(3), sign(5)],
-            fixed: plane(p[1] + (p[3] - p[2]) + (tip - p[4])),
-            upper: plane(p[2] - p[1]),
-            fore: plane(p[4] - p[3]),
+            signs: [sign(0), sign(1), sign(third), sign(5)],
+            from_upper_arm,
+            fixed: plane(fixed),
+            upper: plane(upper),
+            fore: plane(fore),
             base_from_flange: flange,
         })
     }
@@ -97,6 +118,7 @@ impl Palletizer {
         for (first, reach) in [(bearing, radius), (bearing + PI, -radius)] {
             let target = (reach - self.fixed.0, at.z - self.fixed.1);
             for (second, third) in triangle(self.upper, self.fore, target) {
+                let third = if self.from_upper_arm { third - second } else { third };
                 found.push(vec![
                     self.signs[0] * first,
                     self.signs[1] * second,

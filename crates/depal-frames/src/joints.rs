@@ -16,6 +16,7 @@ impl JointPositions {
     ///
     /// # Panics
     /// If `count` exceeds [`MAX_JOINTS`].
+    #[inline]
     pub fn zeros(count: usize) -> Self {
         assert!(count <= MAX_JOINTS, "{count} joints, at most {MAX_JOINTS}");
         Self {
@@ -28,6 +29,7 @@ impl JointPositions {
     ///
     /// # Panics
     /// If the slice is longer than [`MAX_JOINTS`].
+    #[inline]
     pub fn from_slice(values: &[f64]) -> Self {
         let mut joints = Self::zeros(values.len());
         joints.copy_from_slice(values);
@@ -47,6 +49,7 @@ impl JointPositions {
     }
 
     /// `self + (other - self) * t`, joint by joint.
+    #[inline]
     pub fn lerp(&self, other: &Self, t: f64) -> Self {
         let mut out = *self;
         for (o, b) in out.iter_mut().zip(other.iter()) {
@@ -66,12 +69,14 @@ impl JointPositions {
 
 impl Deref for JointPositions {
     type Target = [f64];
+    #[inline]
     fn deref(&self) -> &[f64] {
         &self.values[..self.count]
     }
 }
 
 impl DerefMut for JointPositions {
+    #[inline]
     fn deref_mut(&mut self) -> &mut [f64] {
         &mut self.values[..self.count]
     }

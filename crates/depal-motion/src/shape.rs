@@ -22,6 +22,8 @@ const COARSE_STEP: f64 = 0.12;
 const COARSE_BEND: f64 = 0.005;
 /// Grid points of a linear move beyond which a large joint step counts as a jump.
 const FINEST_GRID: usize = 1024;
+/// Divisions of a cell next to a stand.
+const STAND_PIECES: i32 = 4;
 /// Shorter than this a path has no length to cut a zone from.
 const NO_LENGTH: f64 = 1e-3;
 
@@ -187,7 +189,38 @@ impl Shape {
     }
 
     /// Grid of the part `from..=to`: cell borders with their TCP and turn rates.
+    ///
+    /// Within a cell the acceleration is even. A cell next to a stand is divided towards it, each piece half as
+    /// wide as the one before, or a slow move would take the whole cell to gain its speed.
     pub fn cells(&self, from: f64, to: f64) -> Vec<((f64, f64), (f64, f64))> {
+        let mut cells = self.even_cells(from, to);
+        if to >= 1.0
+            && let Some(((begin, end), rates)) = cells.pop()
+        {
+            let mut border = begin;
+            for piece in 1..=STAND_PIECES {
+                let next = end - (end - begin) * 0.5_f64.powi(piece);
+                cells.push(((border, next), rates));
+                border = next;
+            }
+            cells.push(((border, end), rates));
+        }
+        if from <= 0.0 && !cells.is_empty() {
+            let ((begin, end), rates) = cells.remove(0);
+            let mut pieces = Vec::new();
+            let mut border = begin;
+            for piece in (1..=STAND_PIECES).rev() {
+                let next = begin + (end - begin) * 0.5_f64.powi(piece);
+                pieces.push(((border, next), rates));
+                border = next;
+            }
+            pieces.push(((border, end), rates));
+            cells.splice(0..0, pieces);
+        }
+        cells
+    }
+
+    fn even_cells(&self, from: f64, to: f64) -> Vec<((f64, f64), (f64, f64))> {
         const SLIVER: f64 = 1e-7;
         let mut cells = Vec::with_capacity(self.nodes.len());
         let mut begin = from;

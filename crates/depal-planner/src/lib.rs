@@ -50,6 +50,7 @@ mod search;
 mod suction;
 mod timing;
 mod transfer;
+mod tree;
 mod world;
 
 pub use plan::{Motion, PickPlan, Waypoint};
@@ -57,7 +58,7 @@ pub use planner::plan_pick;
 pub use refusal::{Obstacle, Refusal, RejectReason, Rejection, Stage, Touch};
 pub use request::{PlaceSpec, PlanRequest, PlannerSettings, SeenBox};
 pub use transfer::{
-    TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint, plan_transfer,
+    TransferChecker, TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint, plan_transfer,
 };
 
 #[cfg(test)]

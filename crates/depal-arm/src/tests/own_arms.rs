@@ -5,6 +5,8 @@ use super::{distance, random_joints};
 use crate::{Arm, ArmWarning, arm::oracle_pose, urdf};
 
 const IRB460: &str = include_str!("../../../../urdf/abb_irb460.urdf");
+const IRB660: &str = include_str!("../../../../urdf/abb_irb660.urdf");
+const KR120PA: &str = include_str!("../../../../urdf/kuka_kr120_r3200_pa.urdf");
 const KR210: &str = include_str!("../../../../urdf/kuka_kr210_r2700_2.urdf");
 const KR16: &str = include_str!("../../../../urdf/kuka_kr16_2.urdf");
 const R2000IC: &str = include_str!("../../../../urdf/fanuc_r2000ic_165f.urdf");
@@ -25,11 +27,15 @@ fn flanges_at_zero_are_where_the_dimensions_say() {
     let kr16 = Vector::new(0.260 + 0.680 + 0.670 + 0.158, 0.0, 0.675 - 0.035);
     let r2000ic = Vector::new(0.312 + 1.280 + 0.215, 0.0, 0.670 + 1.075 + 0.225);
     let irb460 = Vector::new(0.260 + 1.025 + 0.225, 0.0, 0.745 + 0.945 - 0.2515);
+    let irb660 = Vector::new(0.300 + 1.350 + 0.260, 0.0, 0.800 + 1.280 - 0.247);
+    let kr120_pa = Vector::new(0.350 + 1.350 + 1.220 + 0.280, 0.0, 0.675 - 0.250);
     for (text, expected) in [
         (KR210, kr210),
         (KR16, kr16),
         (R2000IC, r2000ic),
         (IRB460, irb460),
+        (IRB660, irb660),
+        (KR120PA, kr120_pa),
     ] {
         assert!(
             (at(text) - expected).norm() < 1e-12,
@@ -73,11 +79,40 @@ fn limits_and_speeds_are_the_published_ones() {
             [-300.0, 300.0, 400.0]
         ]
     );
+    assert_eq!(
+        degrees(IRB660),
+        [
+            [-180.0, 180.0, 130.0],
+            [-42.0, 82.0, 130.0],
+            [-20.0, 120.0, 130.0],
+            [-300.0, 300.0, 300.0]
+        ]
+    );
+    assert_eq!(
+        degrees(KR120PA),
+        [
+            [-185.0, 185.0, 136.0],
+            [-140.0, -5.0, 130.0],
+            [0.0, 155.0, 120.0],
+            [-350.0, 350.0, 300.0]
+        ]
+    );
+    assert_eq!(
+        degrees(KR16),
+        [
+            [-185.0, 185.0, 156.0],
+            [-155.0, 35.0, 156.0],
+            [-130.0, 154.0, 156.0],
+            [-350.0, 350.0, 330.0],
+            [-130.0, 130.0, 330.0],
+            [-350.0, 350.0, 615.0]
+        ]
+    );
 }
 
 #[test]
 fn forward_agrees_with_the_chain_library_and_inverse_with_forward() {
-    for text in [KR210, KR16, R2000IC, IRB460] {
+    for text in [KR210, KR16, R2000IC, IRB460, IRB660, KR120PA] {
         let arm = load(text);
         assert_eq!(arm.warnings(), [], "{}", arm.name());
         let loaded = urdf::load(text, "own.urdf", &urdf::Accelerations::Uniform(2.0)).unwrap();
@@ -107,23 +142,39 @@ fn forward_agrees_with_the_chain_library_and_inverse_with_forward() {
 }
 
 #[test]
-fn the_palletizer_keeps_its_flange_level_and_refuses_to_tilt() {
-    let arm = load(IRB460);
-    assert_eq!(
-        arm.joint_names(),
-        ["joint_1", "joint_2", "joint_3", "joint_4"]
-    );
-    let mut random = RandomStreams::new(6).stream("level");
-    for _ in 0..200 {
-        let joints = random_joints(&arm, &mut random);
-        let pose = arm.base_from_flange(&joints);
-        assert!((pose * Vector::z() + Vector::z()).norm() < 1e-12);
-        let tilted = pose
-            * Pose::from_parts(
-                Vector::zeros().into(),
-                Rotation::from_euler_angles(0.1, 0.0, 0.0),
-            );
-        assert!(arm.inverse(&tilted).is_empty());
+fn palletizers_keep_their_flange_level_and_refuse_to_tilt() {
+    for text in [IRB460, IRB660, KR120PA] {
+        let arm = load(text);
+        assert_eq!(
+            arm.joint_names(),
+            ["joint_1", "joint_2", "joint_3", "joint_4"]
+        );
+        let mut random = RandomStreams::new(6).stream("level");
+        for _ in 0..200 {
+            let joints = random_joints(&arm, &mut random);
+            let pose = arm.base_from_flange(&joints);
+            assert!((pose * Vector::z() + Vector::z()).norm() < 1e-12);
+            let tilted = pose
+                * Pose::from_parts(
+                    Vector::zeros().into(),
+                    Rotation::from_euler_angles(0.1, 0.0, 0.0),
+                );
+            assert!(arm.inverse(&tilted).is_empty());
+        }
+    }
+}
+
+/// Published reach: with the upper arm and the forearm in one line, to the flange's axis.
+#[test]
+fn palletizers_reach_as_far_as_their_links_add_up() {
+    for (text, stretched, expected) in [
+        (IRB660, [0.0, 82.0, -8.0, 0.0], 3.19),
+        (KR120PA, [0.0, -5.0, 0.0, 0.0], 3.20),
+    ] {
+        let arm = load(text);
+        let at = arm.base_from_flange(&JointPositions::from_degrees(&stretched));
+        let reach = at.translation.vector.xy().norm();
+        assert!((reach - expected).abs() < 0.03, "{} {reach}", arm.name());
     }
 }
 

@@ -90,7 +90,7 @@ fn a_time_instead_of_a_speed_and_a_stop_with_a_time() {
     let told = run("MoveL Offs(p0,400,0,0),v1000\\T:=4,fine,tTool;").finished();
     let seconds = told.reached(2);
     // The way in that time, and the ramps.
-    assert!((4.0..4.45).contains(&seconds), "{seconds}");
+    assert!((4.0..4.06).contains(&seconds), "{seconds}");
     let told =
         run("MoveL Offs(p0,100,0,0),v200,z50\\Inpos:=stoptime1_5,tTool;\nSetDO do1,1;").finished();
     let stood = told.edge("do1") - told.reached(2);

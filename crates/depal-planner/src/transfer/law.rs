@@ -1,10 +1,14 @@
 //! The blended path and the fastest law along it.
 
 use depal_arm::JointLimit;
-use depal_frames::JointPositions;
+use depal_frames::{JointPositions, MAX_JOINTS};
+
+pub(crate) use crate::tree::distance;
 
 /// Cells into which a corner is cut for its time law.
-const CORNER_CELLS: usize = 10;
+const CORNER_CELLS: usize = 48;
+/// ... and for a rough one.
+const ROUGH_CELLS: usize = 5;
 /// Steps shorter than this, rad, are no motion.
 const STILL: f64 = 1e-9;
 
@@ -52,14 +56,6 @@ pub(crate) struct BlendedPath {
     pub pieces: Vec<Piece>,
 }
 
-pub(crate) fn distance(a: &JointPositions, b: &JointPositions) -> f64 {
-    a.iter()
-        .zip(b.iter())
-        .map(|(x, y)| (x - y) * (x - y))
-        .sum::<f64>()
-        .sqrt()
-}
-
 impl BlendedPath {
     /// `blends` has one entry per point; those of the first and the last do not count.
     pub fn new(points: &[JointPositions], blends: &[f64]) -> Self {
@@ -103,13 +99,14 @@ impl BlendedPath {
     }
 
     /// States along the path with at most `step` rad between neighbours, both ends included.
-    pub fn states(&self, step: f64, start: &JointPositions) -> Vec<JointPositions> {
-        let mut states = vec![*start];
+    pub fn samples(&self, step: f64) -> Samples<'_> {
+        let mut ends = Vec::with_capacity(self.pieces.len());
+        let mut count = 0;
         for piece in &self.pieces {
-            let count = (piece.length / step).ceil().max(1.0) as usize;
-            states.extend((1..=count).map(|i| piece.at(i as f64 / count as f64)));
+            count += (piece.length / step).ceil().max(1.0) as usize;
+            ends.push(count);
         }
-        states
+        Samples { path: self, ends }
     }
 
     /// Fastest time from rest to rest with stops where blends are zero, s.
@@ -119,9 +116,18 @@ impl BlendedPath {
     /// is constant in each cell, and because the joint accelerations are then linear in `s`
     /// the limits at both ends of a cell hold in all of it.
     pub fn time(&self, limits: &[JointLimit]) -> f64 {
-        let mut cells: Vec<Cell> = Vec::with_capacity(self.pieces.len() * CORNER_CELLS);
+        self.time_in_cells(limits, CORNER_CELLS)
+    }
+
+    /// The same with corners cut into fewer cells: a few thousandths more, in half the effort.
+    pub fn rough_time(&self, limits: &[JointLimit]) -> f64 {
+        self.time_in_cells(limits, ROUGH_CELLS)
+    }
+
+    fn time_in_cells(&self, limits: &[JointLimit], corner_cells: usize) -> f64 {
+        let mut cells: Vec<Cell> = Vec::with_capacity(self.pieces.len() * corner_cells);
         for piece in &self.pieces {
-            let count = if piece.is_corner { CORNER_CELLS } else { 1 };
+            let count = if piece.is_corner { corner_cells } else { 1 };
             for i in 0..count {
                 cells.push(Cell::new(piece, i, count, limits));
             }
@@ -141,15 +147,39 @@ impl BlendedPath {
             } else {
                 cells[k - 1].highest
             };
-            ceiling[k] = cells[k].controllable(after, limits).min(before);
+            ceiling[k] = cells[k].controllable(after).min(before);
         }
         let (mut time, mut x) = (0.0, 0.0);
         for (cell, &after) in cells.iter().zip(&ceiling[1..]) {
-            let next = cell.fastest(x, after, limits);
+            let next = cell.fastest(x, after);
             time += cell.time(x, next);
             x = next;
         }
         time
+    }
+}
+
+/// Evenly spaced states of each piece, worked out when they are asked for.
+pub(crate) struct Samples<'a> {
+    path: &'a BlendedPath,
+    /// Number of states up to the end of each piece, without the start.
+    ends: Vec<usize>,
+}
+
+impl Samples<'_> {
+    /// Number of states; 0 for a path without length.
+    pub fn count(&self) -> usize {
+        self.ends.last().map_or(0, |last| last + 1)
+    }
+
+    pub fn at(&self, index: usize) -> JointPositions {
+        if index == 0 {
+            return self.path.pieces[0].at(0.0);
+        }
+        let piece = self.ends.partition_point(|&end| end < index);
+        let before = if piece == 0 { 0 } else { self.ends[piece - 1] };
+        let share = (index - before) as f64 / (self.ends[piece] - before) as f64;
+        self.path.pieces[piece].at(share)
     }
 }
 
@@ -161,15 +191,25 @@ fn heading(from: &JointPositions, to: &JointPositions, length: f64) -> JointPosi
     out
 }
 
+/// A joint's limit at one end of a cell: `slope * u + bend * x` stays within the acceleration limit.
+#[derive(Clone, Copy, Default)]
+struct Row {
+    /// Middle of the range of `u` per `x`.
+    middle: f64,
+    /// Half of the range's width.
+    half: f64,
+}
+
 /// A stretch of the path with one time law.
 struct Cell {
-    /// dq/ds at its begin and end.
-    slope: [JointPositions; 2],
-    /// d2q/ds2, constant.
-    bend: JointPositions,
+    /// For both ends and every joint that moves there.
+    rows: [Row; 2 * MAX_JOINTS],
+    row_count: usize,
     length: f64,
     /// Squared speed that the joint speeds allow.
     highest: f64,
+    /// Squared speed beyond which a joint that turns round at the begin would be bent too fast.
+    bend_limit: f64,
     /// Acceleration along a line; none in corners.
     line: Option<f64>,
     stops: bool,
@@ -178,71 +218,82 @@ struct Cell {
 impl Cell {
     fn new(piece: &Piece, index: usize, count: usize, limits: &[JointLimit]) -> Self {
         let share = |i: usize| i as f64 / count as f64;
-        let slope = [
-            piece.enters.lerp(&piece.leaves, share(index)),
-            piece.enters.lerp(&piece.leaves, share(index + 1)),
-        ];
-        let mut bend = JointPositions::zeros(piece.from.len());
-        let (mut highest, mut along) = (f64::INFINITY, f64::INFINITY);
-        for (i, limit) in limits.iter().enumerate() {
-            bend[i] = (piece.leaves[i] - piece.enters[i]) / piece.length;
-            let steepest = slope[0][i].abs().max(slope[1][i].abs());
-            highest = highest.min((limit.max_speed / steepest).powi(2));
-            along = along.min(limit.max_acceleration / steepest);
-        }
-        Self {
-            slope,
-            bend,
-            length: piece.length / count as f64,
-            highest,
-            line: (!piece.is_corner).then_some(along),
+        let (first, last) = (share(index), share(index + 1));
+        let length = piece.length / count as f64;
+        let mut cell = Self {
+            rows: [Row::default(); 2 * MAX_JOINTS],
+            row_count: 0,
+            length,
+            highest: f64::INFINITY,
+            bend_limit: f64::INFINITY,
+            line: None,
             stops: false,
+        };
+        let mut along = f64::INFINITY;
+        for (i, limit) in limits.iter().enumerate() {
+            let (enters, leaves) = (piece.enters[i], piece.leaves[i]);
+            let slope = [
+                enters + (leaves - enters) * first,
+                enters + (leaves - enters) * last,
+            ];
+            let steepest = slope[0].abs().max(slope[1].abs());
+            let speed = limit.max_speed / steepest;
+            cell.highest = cell.highest.min(speed * speed);
+            let acceleration = limit.max_acceleration;
+            if !piece.is_corner {
+                along = along.min(acceleration / steepest);
+                continue;
+            }
+            let bend = (leaves - enters) / piece.length;
+            let at_end = slope[1] + 2.0 * length * bend;
+            for c in [slope[0], at_end] {
+                if c.abs() < 1e-12 {
+                    continue;
+                }
+                let inverse = 1.0 / c;
+                cell.rows[cell.row_count] = Row {
+                    middle: -bend * inverse,
+                    half: acceleration * inverse.abs(),
+                };
+                cell.row_count += 1;
+            }
+            // Where a joint turns round, only the bend accelerates it.
+            if slope[0].abs() < 1e-12 && bend != 0.0 {
+                cell.bend_limit = cell.bend_limit.min(acceleration / bend.abs());
+            }
         }
+        cell.line = (!piece.is_corner).then_some(along);
+        cell
     }
 
     /// Limits of the acceleration `u` at squared speed `x`: (low, high), each as `(value, change per x)`.
-    fn bounds(&self, x: f64, after: f64, limits: &[JointLimit]) -> [(f64, f64); 2] {
-        let mut low = (f64::NEG_INFINITY, 0.0);
-        let mut high = (f64::INFINITY, 0.0);
-        let mut row = |c_u: f64, c_x: f64, least: f64, most: f64| {
-            if c_u.abs() < 1e-12 {
-                return;
+    fn bounds(&self, x: f64, after: f64) -> [(f64, f64); 2] {
+        // The speed at the end lies between 0 and `after`.
+        let per = 0.5 / self.length;
+        let mut low = (-x * per, -per);
+        let mut high = ((after - x) * per, -per);
+        for row in &self.rows[..self.row_count] {
+            let middle = row.middle * x;
+            if middle - row.half > low.0 {
+                low = (middle - row.half, row.middle);
             }
-            let (a, b) = ((least - c_x * x) / c_u, (most - c_x * x) / c_u);
-            let (a, b) = if c_u > 0.0 { (a, b) } else { (b, a) };
-            if a > low.0 {
-                low = (a, -c_x / c_u);
+            if middle + row.half < high.0 {
+                high = (middle + row.half, row.middle);
             }
-            if b < high.0 {
-                high = (b, -c_x / c_u);
-            }
-        };
-        row(2.0 * self.length, 1.0, 0.0, after);
-        for (i, limit) in limits.iter().enumerate() {
-            let a = limit.max_acceleration;
-            row(self.slope[0][i], self.bend[i], -a, a);
-            let at_end = self.slope[1][i] + 2.0 * self.length * self.bend[i];
-            row(at_end, self.bend[i], -a, a);
         }
         [low, high]
     }
 
     /// Highest squared speed at the begin from which `after` or less can be reached at the end.
-    fn controllable(&self, after: f64, limits: &[JointLimit]) -> f64 {
+    fn controllable(&self, after: f64) -> f64 {
         let after = after.min(self.highest);
         if let Some(along) = self.line {
             return self.highest.min(after + 2.0 * along * self.length);
         }
-        let mut x = self.highest;
-        for (i, limit) in limits.iter().enumerate() {
-            // Where a joint turns round, only the bend accelerates it.
-            if self.slope[0][i].abs() < 1e-12 && self.bend[i] != 0.0 {
-                x = x.min(limit.max_acceleration / self.bend[i].abs());
-            }
-        }
+        let mut x = self.highest.min(self.bend_limit);
         // The gap between the bounds is convex in x and open at 0: Newton's steps from above end at its root.
         for _ in 0..32 {
-            let [low, high] = self.bounds(x, after, limits);
+            let [low, high] = self.bounds(x, after);
             let gap = low.0 - high.0;
             if gap <= 1e-12 {
                 break;
@@ -253,12 +304,12 @@ impl Cell {
     }
 
     /// Highest squared speed at the end.
-    fn fastest(&self, x: f64, after: f64, limits: &[JointLimit]) -> f64 {
+    fn fastest(&self, x: f64, after: f64) -> f64 {
         let after = after.min(self.highest);
         if let Some(along) = self.line {
             return after.min(x + 2.0 * along * self.length);
         }
-        let [low, high] = self.bounds(x, after, limits);
+        let [low, high] = self.bounds(x, after);
         (x + 2.0 * self.length * high.0.max(low.0)).clamp(0.0, after)
     }
 

@@ -5,13 +5,16 @@
 //! Effort is counted in checks, never in seconds: the same question gets the same answer everywhere.
 
 mod certificate;
+mod checker;
 mod law;
+mod oriented;
 mod refine;
 mod request;
 mod route;
 mod scene;
 mod tree;
 
+pub use checker::TransferChecker;
 pub use request::{TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint};
 pub use route::plan_transfer;
 

@@ -9,10 +9,8 @@ use super::{
     route::Checker,
 };
 
-/// Changes tried.
-const CHANGES: usize = 300;
-/// States that may be checked meanwhile.
-const MOST_CHECKS: usize = 1200;
+/// Ways that are no slower than this against the bound are good enough.
+const GOOD: f64 = 1.04;
 /// Routes with more vias than this are not bent, only shortened.
 const MOST_VIAS: usize = 7;
 
@@ -54,30 +52,48 @@ impl Route {
     pub fn time(&self, limits: &[JointLimit]) -> f64 {
         self.path().time(limits)
     }
+
+    pub fn rough_time(&self, limits: &[JointLimit]) -> f64 {
+        self.path().rough_time(limits)
+    }
+}
+
+/// How much a refinement may try.
+#[derive(Clone, Copy)]
+pub(crate) struct Effort {
+    /// Changes tried.
+    pub changes: usize,
+    /// States checked meanwhile.
+    pub checks: usize,
 }
 
 /// The best of the routes met. The given one must be free.
-pub(crate) fn refine(checker: &mut Checker, route: Route, random: &mut RandomStream) -> Route {
+pub(crate) fn refine(
+    checker: &mut Checker,
+    route: Route,
+    effort: Effort,
+    random: &mut RandomStream,
+) -> Route {
     let limits = checker.scene.arm.limits();
     let start = route.points[0];
     let mut best = route;
-    let mut time = best.time(limits);
+    let mut time = best.rough_time(limits);
     if best.points.len() < 3 {
         return best;
     }
     let bound = super::law::lower_bound(&start, &best.points[best.points.len() - 1], limits);
-    let last_check = checker.checks + MOST_CHECKS;
+    let last_check = checker.checks + effort.checks;
     let mut size = 0.3;
-    for _ in 0..CHANGES {
-        if time <= bound * 1.06 || checker.checks > last_check {
+    for _ in 0..effort.changes {
+        if time <= bound * GOOD || checker.checks > last_check {
             break;
         }
         let Some(changed) = change(&best, size, limits, random) else {
             continue;
         };
         let path = changed.path();
-        let changed_time = path.time(limits);
-        if changed_time < time - 1e-4 && checker.path_is_free(&path, &start) {
+        let changed_time = path.rough_time(limits);
+        if changed_time < time - 1e-4 && checker.path_is_free(&path) {
             (best, time) = (changed, changed_time);
             size = (size * 1.5_f64).min(0.4);
         } else {

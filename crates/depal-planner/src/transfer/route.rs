@@ -1,12 +1,12 @@
 //! The ladder.
 
 use depal_frames::{JointPositions, Pose, Vector};
-use depal_time::RandomStreams;
+use depal_time::{RandomStream, RandomStreams};
 
 use super::{
     certificate::certify,
-    law::{BlendedPath, fitting_blends, lower_bound},
-    refine::{Route, refine},
+    law::{BlendedPath, Samples, fitting_blends, lower_bound},
+    refine::{Effort, Route, refine},
     request::{TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint},
     scene::{BARE, Contact, PADDINGS, Scene},
     tree::grow,
@@ -15,7 +15,7 @@ use super::{
 /// Seed of everything random here.
 const SEED: u64 = 1;
 /// States that may be checked in search of one way.
-const MOST_CHECKS: usize = 160_000;
+const MOST_CHECKS: usize = 300_000;
 /// Goal postures of a pose that are tried.
 const MOST_GOALS: usize = 12;
 /// Neighbouring states of a checked path, rad.
@@ -24,6 +24,27 @@ const STEP: f64 = 0.05;
 const FINE_STEP: f64 = 0.01;
 /// Heights by which the tool is raised, m.
 const HEIGHTS_M: [f64; 6] = [0.1, 0.2, 0.35, 0.55, 0.8, 1.1];
+/// Shares of the turn at which a single raised via lies.
+const TURNED: [f64; 3] = [0.25, 0.5, 0.75];
+/// A way that takes this much longer than the bound is a long way round.
+const LONG: f64 = 1.25;
+/// Other ways looked for then ...
+const OTHER_WAYS: usize = 4;
+/// ... each with at most so many states checked.
+const OTHER_CHECKS: usize = 6000;
+/// Effort of bending: the first way, each other one, and the best of them once more.
+const FIRST_EFFORT: Effort = Effort {
+    changes: 300,
+    checks: 1200,
+};
+const OTHER_EFFORT: Effort = Effort {
+    changes: 150,
+    checks: 1000,
+};
+const LAST_EFFORT: Effort = Effort {
+    changes: 500,
+    checks: 4000,
+};
 /// Shares of the way to the base by which the raised tool is drawn in.
 const DRAWN_IN: [f64; 3] = [0.0, 0.15, 0.35];
 
@@ -33,15 +54,37 @@ pub(crate) struct Checker<'a> {
     pub thickness: usize,
     pub checks: usize,
     pub most_checks: usize,
+    /// Where along its way the last blocked path was blocked, 0 to 1: the next one is looked at there first.
+    pub hint: f64,
+    /// Small steps in spite of thick bodies: something thin stands in the way.
+    pub careful: bool,
 }
 
-impl Checker<'_> {
-    pub fn spent(&self) -> bool {
-        self.checks >= self.most_checks
+impl<'a> Checker<'a> {
+    /// For bare bodies, without a limit.
+    pub fn bare(scene: &'a Scene<'a>) -> Self {
+        Self {
+            scene,
+            thickness: BARE,
+            checks: 0,
+            most_checks: usize::MAX,
+            hint: 0.5,
+            careful: false,
+        }
+    }
+
+    /// The far end is a state of its own: a line without length has no others.
+    pub fn line_is_free(&mut self, from: &JointPositions, to: &JointPositions, step: f64) -> bool {
+        let path = BlendedPath::new(&[*from, *to], &[0.0, 0.0]);
+        self.all_free(&path.samples(step)) && self.contact(to).is_none()
     }
 
     pub fn step(&self) -> f64 {
-        if self.thickness == 0 { STEP } else { FINE_STEP }
+        if self.thickness == 0 && !self.careful {
+            STEP
+        } else {
+            FINE_STEP
+        }
     }
 
     pub fn contact(&mut self, joints: &JointPositions) -> Option<Contact> {
@@ -50,28 +93,33 @@ impl Checker<'_> {
     }
 
     /// Whether all states are free: the middle first, then the middles of the halves, and so on.
-    pub fn all_free(&mut self, states: &[JointPositions]) -> bool {
-        let count = states.len();
+    pub fn all_free(&mut self, states: &Samples) -> bool {
+        let count = states.count();
         let mut stride = count.next_power_of_two();
         while stride > 1 {
             for i in (stride / 2..count).step_by(stride) {
-                if self.contact(&states[i]).is_some() {
+                if self.contact(&states.at(i)).is_some() {
+                    self.hint = i as f64 / (count - 1) as f64;
                     return false;
                 }
             }
             stride /= 2;
         }
-        states.first().is_none_or(|s| self.contact(s).is_none())
+        count == 0 || self.contact(&states.at(0)).is_none()
     }
 
-    pub fn path_is_free(&mut self, path: &BlendedPath, start: &JointPositions) -> bool {
-        let states = path.states(self.step(), start);
-        self.all_free(&states)
+    pub fn path_is_free(&mut self, path: &BlendedPath) -> bool {
+        let states = path.samples(self.step());
+        if states.count() == 0 {
+            return true;
+        }
+        let hint = ((states.count() - 1) as f64 * self.hint).round() as usize;
+        self.contact(&states.at(hint)).is_none() && self.all_free(&states)
     }
 
     pub fn edge_is_free(&mut self, from: &JointPositions, to: &JointPositions) -> bool {
         let path = BlendedPath::new(&[*from, *to], &[0.0, 0.0]);
-        self.path_is_free(&path, from)
+        self.all_free(&path.samples(self.step()))
     }
 }
 
@@ -251,6 +299,8 @@ fn plan_to(
             thickness,
             checks: 0,
             most_checks: most_checks / usable.len().max(1),
+            hint: 0.5,
+            careful: false,
         };
         if turn > 0 {
             // What the thick bodies could not pass needs the search more than the vias.
@@ -258,8 +308,7 @@ fn plan_to(
         }
         let mut random = RandomStreams::new(SEED).stream("transfer");
         let direct = Route::new(vec![*start, *goal]);
-        let free = direct.path().states(checker.step(), start);
-        let (route, found_by) = if checker.all_free(&free) {
+        let (route, found_by) = if checker.all_free(&direct.path().samples(checker.step())) {
             (Some(direct), "direct")
         } else if let Some(route) = raised(&mut checker, start, goal) {
             (Some(route), "raised vias")
@@ -270,28 +319,26 @@ fn plan_to(
         let Some(found) = route else {
             continue;
         };
-        let refined = refine(&mut checker, found.clone(), &mut random);
+        // Thick bodies in large steps may still step across a thin one: then once more in small steps.
+        for careful in [false, true] {
+            checker.careful = careful;
+            if careful && !checker.path_is_free(&found.path()) {
+                break;
+            }
+            let (refined, found_by) = improve(&mut checker, &found, found_by, &mut random);
+            match proved(scene, start, &refined, found_by) {
+                Ok(plan) => return Ok(plan),
+                Err(why) => failed = why,
+            }
+            if thickness > 0 {
+                break;
+            }
+        }
         // The search may leave corners out between its checks; a way that stops at every point is the safer one.
-        let stopping = found.stopping();
-        for candidate in [&refined, &found, &stopping] {
-            let path = candidate.path();
-            match certify(scene, start, &path) {
-                Ok(clearance) => {
-                    let clearance = match scene.rigid_distance() {
-                        Some((rigid, _)) => clearance.min(rigid),
-                        None => clearance,
-                    };
-                    return Ok(plan(scene, candidate, clearance, found_by));
-                }
-                Err(Some(contact)) => {
-                    failed = format!(
-                        "a way was found but its fine check says: {}",
-                        scene.words(contact)
-                    );
-                }
-                Err(None) => {
-                    "a way was found but comes too close to be proved free".clone_into(&mut failed);
-                }
+        for candidate in [&found, &found.stopping()] {
+            match proved(scene, start, candidate, found_by) {
+                Ok(plan) => return Ok(plan),
+                Err(why) => failed = why,
             }
         }
     }
@@ -304,16 +351,15 @@ fn plan_to(
             PADDINGS[PADDINGS.len() - 1] * 1e3
         ));
     }
-    let states = BlendedPath::new(&[*start, *goal], &[0.0; 2]).states(FINE_STEP, start);
-    let blocked = states
-        .iter()
-        .enumerate()
-        .find_map(|(i, q)| scene.contact(q, BARE).map(|c| (i, c)));
+    let path = BlendedPath::new(&[*start, *goal], &[0.0; 2]);
+    let states = path.samples(FINE_STEP);
+    let blocked = (0..states.count())
+        .find_map(|i| scene.contact(&states.at(i), BARE).map(|contact| (i, contact)));
     let straight = match blocked {
         Some((i, contact)) => format!(
             "on the straight move {} after {} % of the way",
             scene.words(contact),
-            i * 100 / (states.len() - 1)
+            i * 100 / (states.count() - 1)
         ),
         None => "the straight move passes too close".to_owned(),
     };
@@ -322,7 +368,61 @@ fn plan_to(
     ))
 }
 
-/// The first free of the raised ways, fastest first.
+/// The plan of a route, when the certificate agrees.
+fn proved(
+    scene: &Scene,
+    start: &JointPositions,
+    route: &Route,
+    found_by: &'static str,
+) -> Result<TransferPlan, String> {
+    match certify(scene, start, &route.path()) {
+        Ok(clearance) => {
+            let clearance = match scene.rigid_distance() {
+                Some((rigid, _)) => clearance.min(rigid),
+                None => clearance,
+            };
+            Ok(plan(scene, route, clearance, found_by))
+        }
+        Err(Some(contact)) => Err(format!(
+            "a way was found but its fine check says: {}",
+            scene.words(contact)
+        )),
+        Err(None) => Err("a way was found but comes too close to be proved free".to_owned()),
+    }
+}
+
+/// Bends a found way; where it stays a long way round, looks for others and bends the best of them further.
+fn improve(
+    checker: &mut Checker,
+    found: &Route,
+    mut found_by: &'static str,
+    random: &mut RandomStream,
+) -> (Route, &'static str) {
+    let limits = checker.scene.arm.limits();
+    let (start, goal) = (found.points[0], found.points[found.points.len() - 1]);
+    let bound = lower_bound(&start, &goal, limits);
+    let mut best = refine(checker, found.clone(), FIRST_EFFORT, random);
+    let mut time = best.rough_time(limits);
+    if time <= bound * LONG {
+        return (best, found_by);
+    }
+    let most_checks = checker.most_checks;
+    for _ in 0..OTHER_WAYS {
+        checker.most_checks = most_checks.min(checker.checks + OTHER_CHECKS);
+        let Some(way) = grow(checker, &start, &goal, random, &mut 0) else {
+            continue;
+        };
+        let other = refine(checker, Route::new(way), OTHER_EFFORT, random);
+        let other_time = other.rough_time(limits);
+        if other_time < time {
+            (best, time, found_by) = (other, other_time, "search");
+        }
+    }
+    checker.most_checks = most_checks;
+    (refine(checker, best, LAST_EFFORT, random), found_by)
+}
+
+/// The first free of the raised ways, fastest first; straight up before drawn in.
 fn raised(checker: &mut Checker, start: &JointPositions, goal: &JointPositions) -> Option<Route> {
     let arm = checker.scene.arm;
     let limits = arm.limits();
@@ -334,27 +434,31 @@ fn raised(checker: &mut Checker, start: &JointPositions, goal: &JointPositions) 
         // Another branch is another way.
         (near.max_distance(at) < 1.2).then_some(near)
     };
-    let mut routes = Vec::new();
-    for height in HEIGHTS_M {
-        for drawn_in in DRAWN_IN {
+    DRAWN_IN.iter().find_map(|&drawn_in| {
+        let mut routes = Vec::new();
+        for height in HEIGHTS_M {
             let (up, over) = (via(start, height, drawn_in), via(goal, height, drawn_in));
             if let (Some(up), Some(over)) = (up, over) {
                 routes.push(Route::new(vec![*start, up, over, *goal]));
+                for share in TURNED {
+                    let high = up.lerp(&over, share);
+                    routes.push(Route::new(vec![*start, high, *goal]));
+                }
             }
-            if let Some(up) = up {
-                routes.push(Route::new(vec![*start, up, *goal]));
-            }
-            if let Some(over) = over {
-                routes.push(Route::new(vec![*start, over, *goal]));
+            for via in [up, over].into_iter().flatten() {
+                routes.push(Route::new(vec![*start, via, *goal]));
             }
         }
-    }
-    let mut timed: Vec<(f64, Route)> = routes.into_iter().map(|r| (r.time(limits), r)).collect();
-    timed.sort_by(|a, b| a.0.total_cmp(&b.0));
-    timed
-        .into_iter()
-        .map(|(_, route)| route)
-        .find(|route| checker.path_is_free(&route.path(), start))
+        let mut timed: Vec<(f64, Route)> = routes
+            .into_iter()
+            .map(|r| (r.rough_time(limits), r))
+            .collect();
+        timed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        timed
+            .into_iter()
+            .map(|(_, route)| route)
+            .find(|route| checker.path_is_free(&route.path()))
+    })
 }
 
 fn plan(scene: &Scene, route: &Route, clearance: f64, found_by: &'static str) -> TransferPlan {

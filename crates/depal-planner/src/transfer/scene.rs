@@ -1,51 +1,107 @@
 //! Arm, attached bodies and obstacles as solids, in several thicknesses.
 
 use depal_arm::Arm;
-use depal_frames::{JointPositions, PlacedShape, Point, Pose, convert};
+use depal_frames::{JointPositions, PlacedShape, Point, Pose, Shape, convert};
 use parry3d::{
-    bounding_volume::{Aabb, BoundingVolume},
-    math::Pose as Pose32,
+    bounding_volume::Aabb,
+    math::{Pose as Pose32, Vector as Vector32},
     partitioning::{Bvh, BvhBuildStrategy},
     query,
     shape::SharedShape,
 };
 
-use super::request::TransferScene;
+use super::{oriented::Oriented, request::TransferScene};
 use crate::world::solid;
+
+/// A solid with the box around it.
+struct Solid {
+    shape: SharedShape,
+    /// Where the shape sits in its frame.
+    frame_from_shape: Pose32,
+    /// Where the box around it sits in its frame.
+    frame_from_box: Pose,
+    /// Half of the box's sides, m.
+    half: [f64; 3],
+    /// The box is the solid.
+    is_box: bool,
+    /// The shape thicker by each padding; empty for boxes.
+    padded: Vec<SharedShape>,
+}
+
+impl Solid {
+    fn new(placed: &PlacedShape) -> Self {
+        let (frame_from_shape, shape) = solid(placed, 0.0);
+        if let Shape::Cuboid { half_extents } = &placed.shape {
+            return Self {
+                shape,
+                frame_from_shape,
+                frame_from_box: placed.pose,
+                half: [half_extents.x, half_extents.y, half_extents.z],
+                is_box: true,
+                padded: Vec::new(),
+            };
+        }
+        let around = shape.compute_local_aabb();
+        let (centre, half) = (around.center(), around.half_extents());
+        let offset = Pose::translation(
+            f64::from(centre.x),
+            f64::from(centre.y),
+            f64::from(centre.z),
+        );
+        Self {
+            frame_from_box: convert::from_glam(&frame_from_shape) * offset,
+            half: [half.x, half.y, half.z].map(f64::from),
+            is_box: false,
+            padded: PADDINGS.iter().map(|&p| solid(placed, p).1).collect(),
+            shape,
+            frame_from_shape,
+        }
+    }
+
+    /// Of this thickness, in the collision library's form.
+    fn thick(&self, thickness: usize) -> &SharedShape {
+        self.padded.get(thickness).unwrap_or(&self.shape)
+    }
+}
 
 /// One solid of the arm or attached to it.
 pub(crate) struct Body {
     /// Index of its link.
     link: usize,
-    link_from_shape: Pose32,
-    shape: SharedShape,
-    /// The same, thicker by each padding.
-    padded: Vec<SharedShape>,
-    /// From the shape's origin to its farthest point, m.
-    radius: f32,
+    solid: Solid,
     moves: bool,
-    /// Corners of its box in the frame of its link, m: no point of it moves farther than one of them.
-    corners: [Point; 8],
-    /// Farthest corner from the origin of its link, m.
+    /// Farthest corner of its box from the origin of its link, m.
     pub lever: f64,
 }
 
-/// Obstacles of one thickness.
+/// What stands around.
 struct Obstacles {
-    solids: Vec<(Pose32, SharedShape)>,
+    solids: Vec<Solid>,
+    /// In the base frame.
+    boxes: Vec<Oriented>,
     tree: Bvh,
 }
 
+fn around(at: &Oriented, grown: f64) -> Aabb {
+    let (c, e) = (at.centre, at.extents());
+    // A hair wider than what rounding takes away.
+    let side = |i: usize, sign: f64| (c[i] + sign * (e[i] + grown + 1e-6)) as f32;
+    let corner = |sign: f64| Vector32::new(side(0, sign), side(1, sign), side(2, sign));
+    Aabb::new(corner(-1.0), corner(1.0))
+}
+
 impl Obstacles {
-    fn new(placed: &[PlacedShape], padding: f64) -> Self {
-        let solids: Vec<_> = placed.iter().map(|p| solid(p, padding)).collect();
-        let leaves: Vec<Aabb> = solids
+    fn new(placed: &[PlacedShape]) -> Self {
+        let solids: Vec<Solid> = placed.iter().map(Solid::new).collect();
+        let boxes: Vec<Oriented> = solids
             .iter()
-            .map(|(pose, shape)| shape.compute_aabb(pose))
+            .map(|s| Oriented::new(&s.frame_from_box, s.half))
             .collect();
+        let leaves: Vec<Aabb> = boxes.iter().map(|b| around(b, 0.0)).collect();
         Self {
             tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
             solids,
+            boxes,
         }
     }
 }
@@ -69,7 +125,13 @@ pub(crate) struct Scene<'a> {
     pairs: Vec<(usize, usize)>,
     /// Pairs that are checked but never move against each other.
     rigid_pairs: Vec<(usize, usize)>,
-    thicknesses: Vec<Obstacles>,
+    obstacles: Obstacles,
+}
+
+/// Bodies at one state.
+struct State {
+    frames: Vec<Pose>,
+    boxes: Vec<Oriented>,
 }
 
 /// Distances at one state.
@@ -77,9 +139,9 @@ pub(crate) struct Distances {
     /// Corners of every body, in the base frame.
     corners: Vec<[Point; 8]>,
     /// Least distance of every moving body to obstacles, m, at most the cap.
-    to_obstacles: Vec<f32>,
+    to_obstacles: Vec<f64>,
     /// Distance of every pair, m, at most the cap.
-    to_pairs: Vec<f32>,
+    to_pairs: Vec<f64>,
     pub least: f64,
     pub contact: Option<Contact>,
 }
@@ -135,148 +197,175 @@ impl<'a> Scene<'a> {
                 }
             }
         }
-        let thicknesses = PADDINGS
-            .iter()
-            .chain(&[0.0])
-            .map(|&padding| Obstacles::new(&request.obstacles, padding))
-            .collect();
         Self {
             arm,
             bodies,
             pairs,
             rigid_pairs,
-            thicknesses,
+            obstacles: Obstacles::new(&request.obstacles),
         }
     }
 
-    fn poses(&self, joints: &JointPositions) -> Vec<Pose32> {
+    fn state(&self, joints: &JointPositions) -> State {
         let frames = self.arm.base_from_links(joints);
-        self.bodies
-            .iter()
-            .map(|b| convert::to_glam(&frames[b.link]) * b.link_from_shape)
-            .collect()
+        let place = |b: &Body| Oriented::new(&(frames[b.link] * b.solid.frame_from_box), b.solid.half);
+        let boxes = self.bodies.iter().map(place).collect();
+        State { frames, boxes }
+    }
+
+    /// Pose of a body's shape in the collision library's form.
+    fn pose(&self, state: &State, body: usize) -> Pose32 {
+        let body = &self.bodies[body];
+        convert::to_glam(&state.frames[body.link]) * body.solid.frame_from_shape
     }
 
     /// The first contact at a state with bodies of one thickness, in a fixed order.
     pub fn contact(&self, joints: &JointPositions, thickness: usize) -> Option<Contact> {
-        let poses = self.poses(joints);
-        let obstacles = &self.thicknesses[thickness];
-        for (body, (b, pose)) in self.bodies.iter().zip(&poses).enumerate() {
+        let state = self.state(joints);
+        let padding = PADDINGS.get(thickness).copied().unwrap_or(0.0);
+        for (body, (b, at)) in self.bodies.iter().zip(&state.boxes).enumerate() {
+            // The corner of a padded obstacle reaches out by the padding's diagonal.
+            let near = around(at, padding * 1.7321);
             if !b.moves {
                 continue;
             }
-            let around = b.shape.compute_aabb(pose);
-            for i in obstacles.tree.intersect_aabb(&around) {
-                let (at, solid) = &obstacles.solids[i as usize];
-                let met = query::intersection_test(pose, b.shape.as_ref(), at, solid.as_ref());
-                if met.is_ok_and(|m| m.intersecting) {
-                    return Some(Contact::Obstacle {
-                        body,
-                        obstacle: i as usize,
-                    });
+            for i in self.obstacles.tree.intersect_aabb(&near) {
+                let obstacle = i as usize;
+                if !at.meets(&self.obstacles.boxes[obstacle].grown(padding)) {
+                    continue;
+                }
+                let other = &self.obstacles.solids[obstacle];
+                if b.solid.is_box && other.is_box
+                    || self.shapes_meet(&state, body, obstacle, thickness)
+                {
+                    return Some(Contact::Obstacle { body, obstacle });
                 }
             }
         }
-        let padding = PADDINGS.get(thickness).copied().unwrap_or(0.0) as f32;
         for &(first, second) in &self.pairs {
-            let (a, b) = (&self.bodies[first], &self.bodies[second]);
-            let reach = a.radius + b.radius + 2.0 * padding;
-            if (poses[first].translation - poses[second].translation).length() > reach {
+            if !state.boxes[first]
+                .grown(padding)
+                .meets(&state.boxes[second])
+            {
                 continue;
             }
-            let shape = a.padded.get(thickness).unwrap_or(&a.shape);
-            let met = query::intersection_test(
-                &poses[first],
-                shape.as_ref(),
-                &poses[second],
-                b.shape.as_ref(),
-            );
-            if met.is_ok_and(|m| m.intersecting) {
+            let (a, b) = (&self.bodies[first].solid, &self.bodies[second].solid);
+            if a.is_box && b.is_box || {
+                let (pose_a, pose_b) = (self.pose(&state, first), self.pose(&state, second));
+                let thick = self.thick_box(a, thickness);
+                let a = thick.as_ref().unwrap_or_else(|| a.thick(thickness));
+                query::intersection_test(&pose_a, a.as_ref(), &pose_b, b.shape.as_ref())
+                    .is_ok_and(|m| m.intersecting)
+            } {
                 return Some(Contact::Pair { first, second });
             }
         }
         None
     }
 
+    /// Boxes have no thick shapes of their own; they are made when something round comes near.
+    fn thick_box(&self, solid: &Solid, thickness: usize) -> Option<SharedShape> {
+        let padding = *PADDINGS.get(thickness)?;
+        let [x, y, z] = solid.half.map(|h| (h + padding) as f32);
+        solid.is_box.then(|| SharedShape::cuboid(x, y, z))
+    }
+
+    fn shapes_meet(&self, state: &State, body: usize, obstacle: usize, thickness: usize) -> bool {
+        let pose = self.pose(state, body);
+        let other = &self.obstacles.solids[obstacle];
+        let thick = self.thick_box(other, thickness);
+        let shape = thick.as_ref().unwrap_or_else(|| other.thick(thickness));
+        query::intersection_test(
+            &pose,
+            self.bodies[body].solid.shape.as_ref(),
+            &other.frame_from_shape,
+            shape.as_ref(),
+        )
+        .is_ok_and(|m| m.intersecting)
+    }
+
     /// Distance of bodies that are checked but never move against each other, m, and the nearest such pair.
     pub fn rigid_distance(&self) -> Option<(f64, Contact)> {
-        let poses = self.poses(&JointPositions::zeros(self.arm.joint_count()));
+        let state = self.state(&JointPositions::zeros(self.arm.joint_count()));
         self.rigid_pairs
             .iter()
             .map(|&(first, second)| {
-                let far = f32::INFINITY;
-                let distance = self.pair_distance(&poses, first, second, far);
-                (f64::from(distance), Contact::Pair { first, second })
+                let distance = self.pair_distance(&state, first, second);
+                (distance, Contact::Pair { first, second })
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    fn pair_distance(&self, poses: &[Pose32], first: usize, second: usize, cap: f32) -> f32 {
-        let (a, b) = (&self.bodies[first], &self.bodies[second]);
-        let gap =
-            (poses[first].translation - poses[second].translation).length() - a.radius - b.radius;
-        if gap >= cap {
-            return cap;
-        }
+    fn pair_distance(&self, state: &State, first: usize, second: usize) -> f64 {
+        let shape = |body: usize| &self.bodies[body].solid.shape;
         query::distance(
-            &poses[first],
-            a.shape.as_ref(),
-            &poses[second],
-            b.shape.as_ref(),
+            &self.pose(state, first),
+            shape(first).as_ref(),
+            &self.pose(state, second),
+            shape(second).as_ref(),
         )
-        .map_or(0.0, |d| d.distance.min(cap))
+        .map_or(0.0, |d| f64::from(d.distance))
+    }
+
+    fn obstacle_distance(&self, state: &State, body: usize, obstacle: usize) -> f64 {
+        let other = &self.obstacles.solids[obstacle];
+        query::distance(
+            &self.pose(state, body),
+            self.bodies[body].solid.shape.as_ref(),
+            &other.frame_from_shape,
+            other.shape.as_ref(),
+        )
+        .map_or(0.0, |d| f64::from(d.distance))
     }
 
     /// All distances of the bare bodies at one state, measured up to `cap`, m.
     pub fn distances(&self, joints: &JointPositions, cap: f64) -> Distances {
-        let cap = cap as f32;
-        let frames = self.arm.base_from_links(joints);
-        let poses: Vec<Pose32> = self
-            .bodies
-            .iter()
-            .map(|b| convert::to_glam(&frames[b.link]) * b.link_from_shape)
-            .collect();
-        let obstacles = &self.thicknesses[BARE];
+        self.distances_below(joints, cap, cap)
+    }
+
+    /// The same, but what is surely farther away than `exact`, m, is only told to be at least so far as its box is.
+    pub fn distances_below(&self, joints: &JointPositions, cap: f64, exact: f64) -> Distances {
+        let state = self.state(joints);
         let (mut least, mut contact) = (cap, None);
         let mut to_obstacles = vec![cap; self.bodies.len()];
-        for (body, (b, pose)) in self.bodies.iter().zip(&poses).enumerate() {
+        for (body, (b, at)) in self.bodies.iter().zip(&state.boxes).enumerate() {
             if !b.moves {
                 continue;
             }
-            let around = b.shape.compute_aabb(pose).loosened(cap);
-            for i in obstacles.tree.intersect_aabb(&around) {
-                let (at, solid) = &obstacles.solids[i as usize];
-                let d = query::distance(pose, b.shape.as_ref(), at, solid.as_ref())
-                    .map_or(0.0, |d| d.distance);
+            let near = around(at, cap);
+            for i in self.obstacles.tree.intersect_aabb(&near) {
+                let obstacle = i as usize;
+                let mut d = at.least_distance(&self.obstacles.boxes[obstacle]);
+                if d >= to_obstacles[body] {
+                    continue;
+                }
+                if d < exact {
+                    d = self.obstacle_distance(&state, body, obstacle);
+                }
                 to_obstacles[body] = to_obstacles[body].min(d);
                 if d < least {
                     least = d;
-                    contact = Some(Contact::Obstacle {
-                        body,
-                        obstacle: i as usize,
-                    });
+                    contact = Some(Contact::Obstacle { body, obstacle });
                 }
             }
         }
         let mut to_pairs = Vec::with_capacity(self.pairs.len());
         for &(first, second) in &self.pairs {
-            let d = self.pair_distance(&poses, first, second, cap);
-            to_pairs.push(d);
+            let mut d = state.boxes[first].least_distance(&state.boxes[second]);
+            if d < exact {
+                d = self.pair_distance(&state, first, second);
+            }
+            to_pairs.push(d.min(cap));
             if d < least {
                 least = d;
                 contact = Some(Contact::Pair { first, second });
             }
         }
-        let corners = self
-            .bodies
-            .iter()
-            .map(|b| b.corners.map(|c| frames[b.link] * c))
-            .collect();
         Distances {
-            corners,
+            corners: state.boxes.iter().map(Oriented::corners).collect(),
             to_obstacles,
             to_pairs,
-            least: f64::from(least),
+            least,
             contact,
         }
     }
@@ -300,12 +389,12 @@ impl<'a> Scene<'a> {
         let mut least = f64::INFINITY;
         for (i, body) in self.bodies.iter().enumerate() {
             if body.moves {
-                let sum = f64::from(a.to_obstacles[i] + b.to_obstacles[i]);
+                let sum = a.to_obstacles[i] + b.to_obstacles[i];
                 least = least.min((sum - ways[i]) * 0.5 - stray);
             }
         }
         for (k, &(first, second)) in self.pairs.iter().enumerate() {
-            let sum = f64::from(a.to_pairs[k] + b.to_pairs[k]);
+            let sum = a.to_pairs[k] + b.to_pairs[k];
             let way = ways[first] + ways[second];
             least = least.min((sum - way) * 0.5 - 2.0 * stray);
         }
@@ -328,21 +417,14 @@ impl<'a> Scene<'a> {
 
 impl Body {
     fn new(arm: &Arm, link: usize, placed: &PlacedShape) -> Self {
-        let (link_from_shape, shape) = solid(placed, 0.0);
-        let around = shape.compute_local_aabb();
-        let corners = around
-            .vertices()
-            .map(|v| convert::point_from_glam(link_from_shape * v));
-        let lever = corners.iter().map(|c| c.coords.norm()).fold(0.0, f64::max);
+        let solid = Solid::new(placed);
+        let at = Oriented::new(&solid.frame_from_box, solid.half);
+        let far = |c: &Point| c.coords.norm();
         Self {
             link,
-            link_from_shape,
-            padded: PADDINGS.iter().map(|&p| solid(placed, p).1).collect(),
-            shape,
-            radius: placed.shape.bounding_radius() as f32,
+            lever: at.corners().iter().map(far).fold(0.0, f64::max),
+            solid,
             moves: arm.joints_below(link) > 0,
-            corners,
-            lever,
         }
     }
 }

@@ -1,4 +1,1 @@
-mod cell;
-mod hard;
-mod pallet;
 mod time_law;

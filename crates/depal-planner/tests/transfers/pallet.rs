@@ -1,41 +1,9 @@
-use depal_frames::JointPositions;
+use depal_planner::{TransferGoal, plan_transfer};
 
-use super::cell::{goal, obstacles, scene, transfers};
-use crate::transfer::{
-    TransferGoal, TransferPlan, TransferScene,
-    law::{BlendedPath, distance},
-    plan_transfer,
-    scene::{BARE, Scene},
+use super::{
+    cell::{goal, obstacles, scene, transfers},
+    oracle::Oracle,
 };
-
-pub fn path(plan: &TransferPlan) -> BlendedPath {
-    let points: Vec<JointPositions> = plan.waypoints.iter().map(|w| w.joints).collect();
-    let blends: Vec<f64> = plan.waypoints.iter().map(|w| w.blend).collect();
-    for i in 1..points.len() {
-        let room = distance(&points[i - 1], &points[i]);
-        assert!(blends[i - 1] + blends[i] <= room, "blends overlap at {i}");
-    }
-    assert_eq!((blends[0], blends[blends.len() - 1]), (0.0, 0.0));
-    BlendedPath::new(&points, &blends)
-}
-
-/// The path as promised, every 0.002 rad, with bare bodies: nothing touches, and nothing is nearer than was said.
-pub fn fine_check(request: &TransferScene, plan: &TransferPlan, start: &JointPositions) {
-    let scene = Scene::new(request);
-    let mut least = f64::INFINITY;
-    for (i, state) in path(plan).states(0.002, start).iter().enumerate() {
-        let contact = scene.contact(state, BARE);
-        assert!(contact.is_none(), "{}", scene.words(contact.unwrap()));
-        if i % 4 == 0 {
-            least = least.min(scene.distances(state, 2.5).least);
-        }
-    }
-    assert!(
-        (plan.min_clearance - least).abs() < 1e-3 + 0.1 * least,
-        "said {} m, is {least} m",
-        plan.min_clearance
-    );
-}
 
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
@@ -60,7 +28,7 @@ fn all_transfers_from_the_pallet_are_solved_quickly_and_never_touch() {
         assert_eq!(plan.waypoints[0].joints, start);
         assert_eq!(plan.waypoints[plan.waypoints.len() - 1].joints, goal());
         assert!(plan.waypoints.len() <= 9);
-        fine_check(&request, &plan, &start);
+        Oracle::new(&request, 0.0).check(&plan).unwrap();
         ratios.push(plan.motion_time / plan.lower_bound);
     }
     assert_eq!(ratios.len(), 44);
@@ -72,12 +40,8 @@ fn all_transfers_from_the_pallet_are_solved_quickly_and_never_touch() {
 fn no_straight_move_is_free() {
     for (name, layers, slot, start) in transfers() {
         let request = scene(obstacles(layers, slot));
-        let scene = Scene::new(&request);
-        let states = BlendedPath::new(&[start, goal()], &[0.0; 2]).states(0.01, &start);
-        assert!(
-            states.iter().any(|q| scene.contact(q, BARE).is_some()),
-            "{name}"
-        );
+        let touch = Oracle::new(&request, 0.0).touch_on_polyline(&[start, goal()]);
+        assert!(touch.is_some(), "{name}");
     }
 }
 

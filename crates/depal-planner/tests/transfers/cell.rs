@@ -8,7 +8,7 @@ use std::fmt::Write;
 use depal_arm::Arm;
 use depal_frames::{JointPositions, PlacedShape, Pose, Vector};
 
-use crate::transfer::TransferScene;
+use depal_planner::TransferScene;
 
 /// Joint origins, axes and limits: xyz, axis, lower, upper, speed; rad and rad/s.
 type Row = ([f64; 3], [u8; 3], f64, f64, f64);

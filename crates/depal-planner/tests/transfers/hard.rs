@@ -1,14 +1,12 @@
 //! Cells in which raised vias alone do not do, and cells in which nothing does.
 
-use depal_frames::{JointPositions, PlacedShape, Pose, Rotation, Vector};
+use depal_frames::{JointPositions, Pose, Rotation, Vector};
+use depal_planner::{TransferGoal, plan_transfer};
 
 use super::{
     cell::{cuboid, furniture, goal, obstacles, scene, transfers},
-    pallet::fine_check,
-};
-use crate::transfer::{
-    TransferGoal, plan_transfer,
-    scene::{BARE, Scene},
+    hard_set::questions,
+    oracle::Oracle,
 };
 
 fn starts(layers: usize) -> Vec<(usize, JointPositions)> {
@@ -19,76 +17,32 @@ fn starts(layers: usize) -> Vec<(usize, JointPositions)> {
         .collect()
 }
 
-/// Name of the obstacle and the obstacle.
-fn hardships() -> Vec<(&'static str, Vec<PlacedShape>)> {
-    vec![
-        ("low beam", vec![cuboid([1.0, 0.9, 2.35], [0.2, 2.6, 0.3])]),
-        (
-            "post in the sweep of joint 1",
-            vec![cuboid([1.35, 1.05, 1.4], [0.12, 0.12, 2.8])],
-        ),
-        (
-            "rack on two sides",
-            vec![
-                cuboid([1.75, -0.75, 1.2], [1.4, 0.06, 2.4]),
-                cuboid([2.55, 0.0, 1.2], [0.06, 1.4, 2.4]),
-            ],
-        ),
-        (
-            "roll cage",
-            vec![
-                cuboid([1.75, 0.62, 1.1], [1.25, 0.04, 2.0]),
-                cuboid([1.75, -0.62, 1.1], [1.25, 0.04, 2.0]),
-                cuboid([2.42, 0.0, 1.1], [0.04, 1.25, 2.0]),
-            ],
-        ),
-        (
-            "wall behind",
-            vec![cuboid([-0.95, 0.0, 1.5], [0.2, 6.0, 3.0])],
-        ),
-        (
-            "narrow aisle",
-            vec![
-                cuboid([-0.9, 0.0, 1.5], [0.2, 4.0, 3.0]),
-                cuboid([0.4, -1.2, 1.5], [2.4, 0.2, 3.0]),
-                cuboid([0.2, 2.4, 1.5], [2.4, 0.2, 3.0]),
-            ],
-        ),
-    ]
-}
-
+/// A share of the set; the benches have it in full.
 #[test]
 fn nearly_all_hard_cells_are_solved_and_no_way_touches() {
     let (mut tried, mut solved, mut missed) = (0, 0, Vec::new());
-    for (name, extra) in hardships() {
-        for (slot, start) in starts(4).into_iter().step_by(3) {
-            let mut all = obstacles(4, slot);
-            all.extend(extra.clone());
-            let request = scene(all);
-            let bare = Scene::new(&request);
-            // Only questions whose ends are free.
-            if bare.contact(&start, BARE).is_some() || bare.contact(&goal(), BARE).is_some() {
-                continue;
+    for question in questions(1, 3) {
+        tried += 1;
+        let goal = TransferGoal::Joints(question.goal);
+        match plan_transfer(&question.scene, &question.start, &goal) {
+            Ok(plan) => {
+                let checked = Oracle::new(&question.scene, 0.0).check(&plan);
+                checked.unwrap_or_else(|touch| panic!("{}: {touch}", question.name));
+                println!(
+                    "{}: {:.3} s of {:.3} s, {} points, {:.1} mm, {}",
+                    question.name,
+                    plan.motion_time,
+                    plan.lower_bound,
+                    plan.waypoints.len(),
+                    plan.min_clearance * 1e3,
+                    plan.found_by
+                );
+                assert!(plan.waypoints.len() <= 20);
+                solved += 1;
             }
-            tried += 1;
-            match plan_transfer(&request, &start, &TransferGoal::Joints(goal())) {
-                Ok(plan) => {
-                    fine_check(&request, &plan, &start);
-                    println!(
-                        "{name} {slot}: {:.3} s of {:.3} s, {} points, {}",
-                        plan.motion_time,
-                        plan.lower_bound,
-                        plan.waypoints.len(),
-                        plan.found_by
-                    );
-                    assert!(plan.waypoints.len() <= 20);
-                    solved += 1;
-                }
-                Err(refusal) => missed.push(format!("{name} {slot}: {}", refusal.reason)),
-            }
+            Err(refusal) => missed.push(format!("{}: {}", question.name, refusal.reason)),
         }
     }
-    assert!(tried >= 24, "{tried}");
     assert!(
         f64::from(solved) >= 0.95 * f64::from(tried),
         "{solved} of {tried}: {missed:#?}"
@@ -154,7 +108,7 @@ fn a_pose_is_reached_with_whatever_posture_is_fastest() {
     let last = plan.waypoints[plan.waypoints.len() - 1].joints;
     let reached = arm.base_from_links(&last)[tcp];
     assert!((reached.translation.vector - pose.translation.vector).norm() < 1e-6);
-    fine_check(&request, &plan, &start);
+    Oracle::new(&request, 0.0).check(&plan).unwrap();
     let fixed = plan_transfer(&request, &start, &TransferGoal::Joints(goal())).unwrap();
     assert!(plan.motion_time <= fixed.motion_time * 1.05);
 }
