@@ -125,6 +125,13 @@ pub enum RejectReason {
         /// Needed at rest with the safety factor, N.
         needed: f64,
     },
+    /// The gripper could carry it, the arm could not.
+    TooHeavy {
+        /// Assumed mass of what would hang on the gripper, kg.
+        mass: f64,
+        /// Allowed, kg.
+        limit: f64,
+    },
     /// No joints inside the limits reach it.
     Unreachable {
         /// Pick or place, or a straight stretch of the way.
@@ -174,6 +181,10 @@ impl fmt::Display for RejectReason {
                 f,
                 "the sections that fit hold {force:.0} N, needed are {needed:.0} N"
             ),
+            Self::TooHeavy { mass, limit } => write!(
+                f,
+                "it is taken to weigh {mass:.0} kg, the arm carries {limit:.0} kg below the gripper"
+            ),
             Self::Unreachable { stage, tried } => write!(
                 f,
                 "the arm cannot reach it {stage} (ik_unreachable, {tried} poses tried)"
@@ -189,10 +200,22 @@ impl fmt::Display for RejectReason {
 /// A box that was looked at and not taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rejection {
-    /// Index in the request's boxes.
+    /// Index in the request's boxes; of a group its first.
     pub box_index: usize,
+    /// Indices of the boxes that were to be picked together with it.
+    pub with: Vec<usize>,
     /// Why.
     pub reason: RejectReason,
+}
+
+impl fmt::Display for Rejection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "box {}", self.box_index)?;
+        for other in &self.with {
+            write!(f, "+{other}")?;
+        }
+        write!(f, ": {}", self.reason)
+    }
 }
 
 /// No plan, and why.
@@ -238,7 +261,7 @@ impl fmt::Display for Refusal {
             Self::NothingFits(rejections) => {
                 write!(f, "none of {} boxes can be picked", rejections.len())?;
                 for r in rejections {
-                    write!(f, "; box {}: {}", r.box_index, r.reason)?;
+                    write!(f, "; {r}")?;
                 }
                 Ok(())
             }
