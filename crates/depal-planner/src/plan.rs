@@ -40,6 +40,8 @@ pub struct PickPlan {
     pub box_index: usize,
     /// Indices of all boxes that are picked, ascending.
     pub box_indices: Vec<usize>,
+    /// The carton or group before it is lifted: middle of the top face, Z up, X along the long side.
+    pub base_from_group: Pose,
     /// Sections to switch on, ascending.
     pub sections: Vec<usize>,
     /// From the tool centre to the middle of the carton's (or the group's) top face, tool frame, m.

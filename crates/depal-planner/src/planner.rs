@@ -493,6 +493,7 @@ impl Planner<'_> {
             waypoints,
             box_index: group.members[0],
             box_indices: group.members.clone(),
+            base_from_group: group.whole.base_from_box,
             sections: grasp.sections.clone(),
             tcp_offset: grasp.tcp_offset,
             edge_corner_id: grasp.edge_corner_id,

@@ -208,6 +208,28 @@ pub struct Rejection {
     pub reason: RejectReason,
 }
 
+impl Rejection {
+    /// The same with box `i` called `numbers[i]`: the request's boxes were taken out of a longer list.
+    /// Boxes beyond the list keep their index.
+    #[must_use]
+    pub fn renumbered(mut self, numbers: &[usize]) -> Self {
+        let number = |i: usize| numbers.get(i).copied().unwrap_or(i);
+        self.box_index = number(self.box_index);
+        for other in &mut self.with {
+            *other = number(*other);
+        }
+        match &mut self.reason {
+            RejectReason::Covered { by, .. } => *by = number(*by),
+            RejectReason::Collision { touch, .. } => match &mut touch.obstacle {
+                Obstacle::Box(i) | Obstacle::BelowBox(i) => *i = number(*i),
+                _ => {}
+            },
+            _ => {}
+        }
+        self
+    }
+}
+
 impl fmt::Display for Rejection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "box {}", self.box_index)?;
