@@ -1,11 +1,17 @@
 MODULE MainModule
   !===========================================================================
-  ! Empties a pallet onto a conveyor: the vision system plans, the robot asks.
+  ! Empties a pallet onto a conveyor, several cartons at a time: the vision system
+  ! chooses the groups and plans, the robot asks.
   ! Part of depal. Licence: MIT OR Apache-2.0. Needs MM_Module (profile 1.8).
   !
   ! One round: start the Viz project from the capture pose, fetch the waypoints
   ! and the gripper's DO list, go to the Vision Move waypoint, switch the vacuum
   ! on, check it, carry on to the last waypoint (the place), release.
+  ! How many cartons hang on the gripper comes with the Vision Move waypoint. Every
+  ! one has gripper sections of its own, and the vacuum input is 1 only while all
+  ! switched-on sections hold. A group is put down as one: the belt carries its
+  ! cartons away side by side.
+  ! A loaded move at p percent is slowed as a whole: velocity p, acceleration p*p.
   ! The next round is started at the place, while the vacuum bleeds off: there
   ! the arm is out of the camera's view, and planning takes no time of its own.
   !
@@ -40,6 +46,8 @@ MODULE MainModule
   VAR jointtarget jWay{30};
   VAR num nMoveType{30};
   VAR num nSpeed{30};
+  ! Cartons of this pick, from the plan data of the Vision Move waypoint.
+  VAR num nGroup:=0;
   VAR num nWay:=0;
   VAR num nVis:=0;
   VAR num nStatus:=0;
@@ -71,9 +79,9 @@ MODULE MainModule
         IF PickOne() THEN
           IF PlaceOne() THEN
             nRetries:=0;
-            nMoved:=nMoved+1;
+            nMoved:=nMoved+nGroup;
           ELSE
-            CountFailure "Carton lost on the way, attempt ";
+            CountFailure "Cartons lost on the way, attempt ";
           ENDIF
         ELSE
           CountFailure "No vacuum, attempt ";
@@ -104,6 +112,8 @@ MODULE MainModule
     FOR i FROM 1 TO nWay DO
       MM_Get_PlanJps i,3,jWay{i},nMoveType{i},nTool,nSpeed{i};
     ENDFOR
+    nGroup:=MM_Plan_Results{12};
+    IF nGroup<1 Refused "no carton in the plan data, status ";
   ENDPROC
 
   ! Goes to the Vision Move waypoint and grips. TRUE if the vacuum holds.
@@ -131,8 +141,8 @@ MODULE MainModule
     VAR robtarget pPlace;
     VAR bool bHeld;
 
-    AccSet nAccLoaded,nAccLoaded;
     FOR i FROM nVis+1 TO nWay DO
+      AccLoaded nSpeed{i};
       Go i;
     ENDFOR
     bHeld:=diVacuumOk=1;
@@ -145,6 +155,16 @@ MODULE MainModule
     MoveAbsJ jHome\NoEOffs,Speed(100),zFree,tGripper\WObj:=wobj0;
     RETURN bHeld;
   ENDFUNC
+
+  ! Acceleration of a loaded move at this velocity, percent; a cabinet takes 20 at least.
+  PROC AccLoaded(num nPercent)
+    VAR num nAcc;
+
+    nAcc:=nPercent*nPercent/100;
+    IF nAcc>nAccLoaded nAcc:=nAccLoaded;
+    IF nAcc<20 nAcc:=20;
+    AccSet nAcc,nAcc;
+  ENDPROC
 
   ! Releases and goes back by the way it came.
   PROC GiveUpPick()

@@ -139,8 +139,10 @@ impl Group {
 fn rectangles(boxes: &[SeenBox], layer: &[usize], settings: &PlannerSettings) -> Vec<Group> {
     let mut found = Vec::new();
     let mut known = BTreeSet::new();
-    for &corner in layer {
-        let cells = cells_from(boxes, layer, corner, settings);
+    // A box looks alike after half a turn: the grid may run either way from its corner.
+    let corners = layer.iter().flat_map(|&corner| [(corner, 1.0), (corner, -1.0)]);
+    for (corner, way) in corners {
+        let cells = cells_from(boxes, layer, corner, way, settings);
         for columns in 1..=settings.max_group as i64 {
             for rows in 1..=settings.max_group as i64 / columns {
                 let all = (0..columns)
@@ -159,11 +161,12 @@ fn rectangles(boxes: &[SeenBox], layer: &[usize], settings: &PlannerSettings) ->
     found
 }
 
-/// Like boxes at the places of a grid that begins at `corner` and runs along its X and Y.
+/// Like boxes at the places of a grid that begins at `corner` and runs along its X and Y, or (`way` -1) against them.
 fn cells_from(
     boxes: &[SeenBox],
     layer: &[usize],
     corner: usize,
+    way: f64,
     settings: &PlannerSettings,
 ) -> BTreeMap<(i64, i64), usize> {
     let first = &boxes[corner];
@@ -191,8 +194,8 @@ fn cells_from(
         if !alike {
             continue;
         }
-        let u = place(here.translation.x, first.size.length);
-        let v = place(here.translation.y, first.size.width);
+        let u = place(here.translation.x * way, first.size.length);
+        let v = place(here.translation.y * way, first.size.width);
         if let (Some(u), Some(v)) = (u, v) {
             cells.entry((u, v)).or_insert(index);
         }
