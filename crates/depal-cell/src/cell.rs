@@ -315,7 +315,7 @@ impl Cell {
             self.now,
             valves,
             vacuum_ok,
-            self.vision.target_carton(),
+            || self.vision.next_targets(),
             &mut self.score,
             &mut self.pending,
         );
@@ -499,7 +499,7 @@ impl Cell {
         let held = gripper
             .map(depal_gripper::GripperState::held_cartons)
             .unwrap_or_default();
-        let target = self.vision.target_carton();
+        let targets = self.vision.targets();
         let cartons = self
             .world
             .cartons()
@@ -510,7 +510,7 @@ impl Cell {
                     Some(CartonFate::Lost(_)) => CartonViewState::Lost,
                     Some(CartonFate::OnConveyor) => CartonViewState::Placed,
                     _ if held.contains(&id) => CartonViewState::Gripped,
-                    _ if target == Some(id) => CartonViewState::Target,
+                    _ if targets.contains(&id) => CartonViewState::Target,
                     _ => CartonViewState::Waiting,
                 };
                 CartonView {

@@ -231,8 +231,10 @@ pub enum EventKind {
     },
     /// A path was planned.
     Plan {
-        /// Index of the picked detection in the frame's list.
+        /// Index of the picked detection in the frame's list; of a group its first.
         detection: usize,
+        /// Indices of all detections that are picked together.
+        detections: Vec<usize>,
         /// The path.
         waypoints: Vec<LoggedWaypoint>,
         /// 0-based index of the Vision Move.
@@ -257,8 +259,10 @@ pub enum EventKind {
         pick: u32,
         /// Sections switched on.
         sections: Vec<usize>,
-        /// The carton that the plan aimed at, by truth.
+        /// The carton that the plan aimed at, by truth; of a group its first.
         target: Option<u32>,
+        /// All cartons that the plan aimed at, by truth.
+        targets: Vec<u32>,
     },
     /// The vacuum switch closed.
     VacuumReached {
@@ -287,8 +291,10 @@ pub enum EventKind {
     PickFinished {
         /// Pick counter.
         pick: u32,
-        /// Carton, if one was held.
+        /// Carton, if one was held; of several the first.
         carton: Option<u32>,
+        /// All cartons that were held.
+        cartons: Vec<u32>,
         /// `None` = success.
         reason: Option<FailureReason>,
         /// In words.

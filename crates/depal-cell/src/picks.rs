@@ -29,25 +29,27 @@ impl PickKeeper {
         self.collided
     }
 
-    /// Valves and vacuum switch of this tick. `target` is the carton that the current plan aims at.
+    /// Valves and vacuum switch of this tick. `targets` are the cartons that the current plan aims at.
     pub(crate) fn valves(
         &mut self,
         now: SimTime,
         valves: &[bool],
         vacuum_ok: bool,
-        target: Option<u32>,
+        targets: impl FnOnce() -> Vec<u32>,
         score: &mut Score,
         events: &mut Vec<EventKind>,
     ) {
         let on = valves.iter().any(|valve| *valve);
         if on && !self.valves_on {
             self.conclude(now, score, events);
-            let pick = score.start_pick(now, target);
+            let targets = targets();
+            let pick = score.start_pick(now, targets.clone());
             let sections = (0..valves.len()).filter(|i| valves[*i]).collect();
             events.push(EventKind::PickStarted {
                 pick,
                 sections,
-                target,
+                target: targets.first().copied(),
+                targets,
             });
         }
         if vacuum_ok
@@ -61,16 +63,15 @@ impl PickKeeper {
         self.valves_on = on;
         if released {
             self.released_at = Some(now);
-            if score.open_pick().is_some_and(|pick| pick.held.is_none()) {
+            if score.open_pick().is_some_and(|pick| pick.held.is_empty()) {
                 self.conclude(now, score, events);
             }
         }
         self.vacuum_ok = vacuum_ok;
         if let Some(released_at) = self.released_at {
-            let on_belt = score
-                .open_pick()
-                .and_then(|pick| pick.held)
-                .is_some_and(|carton| self.touched_belt.contains(&carton));
+            let on_belt = score.open_pick().is_some_and(|pick| {
+                !pick.held.is_empty() && pick.held.iter().all(|c| self.touched_belt.contains(c))
+            });
             if on_belt || now - released_at > PLACE_TIME {
                 self.conclude(now, score, events);
             }
@@ -88,30 +89,46 @@ impl PickKeeper {
         let Some(pick) = score.open_pick() else {
             return;
         };
-        let otherwise = match pick.held {
-            Some(carton) if self.touched_belt.contains(&carton) => None,
-            Some(carton) if self.valves_on => Some((
-                FailureReason::Timeout,
-                format!("the run ended while carton {carton} was held"),
-            )),
-            Some(carton) => Some((
-                FailureReason::PlaceMissed,
-                format!("carton {carton} was released but did not reach the belt"),
-            )),
-            None => Some((
+        let astray = pick.held.iter().find(|c| !self.touched_belt.contains(c));
+        let left_behind = pick.targets.iter().find(|c| !pick.held.contains(c));
+        let otherwise = if pick.held.is_empty() {
+            Some((
                 FailureReason::NoSeal,
                 "the vacuum switch did not close on a carton".to_owned(),
-            )),
+            ))
+        } else if let Some(carton) = left_behind {
+            Some((
+                FailureReason::NoSeal,
+                format!("carton {carton} of the group was not taken hold of"),
+            ))
+        } else if let Some(carton) = astray.filter(|_| self.valves_on) {
+            Some((
+                FailureReason::Timeout,
+                format!("the run ended while carton {carton} was held"),
+            ))
+        } else {
+            astray.map(|carton| {
+                (
+                    FailureReason::PlaceMissed,
+                    format!("carton {carton} was released but did not reach the belt"),
+                )
+            })
         };
         let Some((pick, failure, cycle)) = score.finish_pick(now, otherwise) else {
             return;
         };
-        if let (Some(carton), Some(failure)) = (pick.held.or(pick.target), &failure) {
-            self.last_failure.insert(carton, failure.clone());
+        if let Some(failure) = &failure {
+            for carton in pick.held.iter().chain(&pick.targets) {
+                let is_placed = self.touched_belt.contains(carton);
+                if !is_placed {
+                    self.last_failure.insert(*carton, failure.clone());
+                }
+            }
         }
         events.push(EventKind::PickFinished {
             pick: pick.number,
-            carton: pick.held,
+            carton: pick.held.first().copied(),
+            cartons: pick.held,
             reason: failure.as_ref().map(|(reason, _)| *reason),
             detail: failure
                 .map_or_else(|| "delivered to the belt".to_owned(), |(_, detail)| detail),
@@ -129,13 +146,21 @@ impl PickKeeper {
         match event {
             WorldEvent::GripStarted { carton, .. } => {
                 if let Some(pick) = score.open_pick_mut() {
-                    if let Some(target) = pick.target.filter(|target| *target != carton.0) {
+                    if !pick.targets.is_empty() && !pick.targets.contains(&carton.0) {
+                        let planned: Vec<String> =
+                            pick.targets.iter().map(u32::to_string).collect();
                         pick.failure.get_or_insert((
                             FailureReason::WrongBox,
-                            format!("planned carton {target}, took hold of carton {}", carton.0),
+                            format!(
+                                "planned carton {}, took hold of carton {}",
+                                planned.join(" and "),
+                                carton.0
+                            ),
                         ));
                     }
-                    pick.held.get_or_insert(carton.0);
+                    if !pick.held.contains(&carton.0) {
+                        pick.held.push(carton.0);
+                    }
                     events.push(EventKind::Gripped {
                         pick: pick.number,
                         carton: carton.0,

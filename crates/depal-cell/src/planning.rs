@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use depal_frames::{BoxSize, JointPositions, Pose};
 use depal_interface::{CustomPort, Motion, PathPoint, Status, VisionMoveData};
-use depal_planner::{PickPlan, PlanRequest, Refusal, RejectReason, SeenBox, plan_pick};
+use depal_planner::{
+    PickPlan, PlanRequest, PlannerSettings, Refusal, RejectReason, SeenBox, plan_pick,
+};
 use depal_workflow::{PickRequest, Place};
 
 use crate::event::{EventKind, FailureReason, LoggedPose, LoggedWaypoint, round};
@@ -27,10 +29,10 @@ pub(crate) struct PlannedPick {
     pub(crate) custom_ports: Vec<CustomPort>,
     /// The picked reports in the picture, by round.
     pub(crate) detections: Vec<usize>,
-    /// How the carton of the last round hangs on the gripper.
+    /// How the carton or group of the last round hangs on the gripper.
     pub(crate) carried: Option<Carried>,
-    /// By truth: the carton that the first round aims at.
-    pub(crate) carton: Option<u32>,
+    /// By truth: the cartons that are aimed at, by round.
+    pub(crate) cartons: Vec<Vec<u32>>,
 }
 
 /// How a carton hangs on the gripper.
@@ -103,20 +105,23 @@ pub(crate) fn plan(
         if left.is_empty() && !all.detections.is_empty() {
             return Planned::Path(all);
         }
-        let round = match plan_one(spec, picture, &left, start, stopwatch, score, events) {
+        let round = match plan_one(spec, picture, &left, start, pick, stopwatch, score, events) {
             Ok(plan) => plan,
             Err(refusal) => {
                 let (status, reason) = refusal_meaning(&refusal);
                 events.push(EventKind::PlanRefused {
-                    reasons: refusal_reasons(&refusal),
+                    reasons: refusal_reasons(&refusal, &left),
                 });
                 return Planned::Refused { status, reason };
             }
         };
-        let detection = left[round.box_index];
-        let label = picture.detection.boxes[detection].label as i32;
+        let detections: Vec<usize> = round.box_indices.iter().map(|i| left[*i]).collect();
+        let labels: Vec<i32> = detections
+            .iter()
+            .map(|index| picture.detection.boxes[*index].label as i32)
+            .collect();
         let picked = situation.picked_before + all.detections.len() as i32;
-        let mut points = path_points(&round, label, picked);
+        let mut points = path_points(&round, &labels, picked);
         for point in &mut points {
             point.velocity_percent *= pick.velocity_percent / 100.0;
         }
@@ -133,25 +138,24 @@ pub(crate) fn plan(
         }
         let at_pick = &round.waypoints[round.pick_index];
         all.carried = Some(Carried {
-            box_from_tcp: picture.base_from_boxes[detection].inverse() * at_pick.base_from_tcp,
-            height: picture.detection.boxes[detection].size.height,
+            box_from_tcp: round.base_from_group.inverse() * at_pick.base_from_tcp,
+            height: round.group_size[2],
         });
+        let sections = spec.gripper.sections.iter().enumerate();
         all.rounds.push(
-            round
-                .sections
-                .iter()
-                .map(|section| spec.gripper.sections[*section].digital_output)
+            sections
+                .filter(|(index, _)| !pick.uses_sections || round.sections.contains(index))
+                .map(|(_, section)| section.digital_output)
                 .collect(),
         );
-        if all.detections.is_empty() {
-            all.carton = picture.cartons[detection];
-        }
+        let cartons = detections.iter().filter_map(|i| picture.cartons[*i]);
+        all.cartons.push(cartons.collect());
         for (port, rows) in all.custom_ports.iter_mut().zip(&own_data) {
-            port.rows.push(rows.rows[detection].clone());
+            port.rows.push(rows.rows[detections[0]].clone());
         }
         all.points.extend(points);
-        all.detections.push(detection);
-        taken.insert(detection);
+        taken.extend(&detections);
+        all.detections.extend(detections);
         if !pick.plans_all {
             return Planned::Path(all);
         }
@@ -176,6 +180,7 @@ fn plan_one(
     picture: &Picture,
     left: &[usize],
     start: JointPositions,
+    pick: &PickRequest,
     stopwatch: fn() -> f64,
     score: &mut Score,
     events: &mut Vec<EventKind>,
@@ -197,6 +202,10 @@ fn plan_one(
         .iter()
         .map(|point| spec.base_from_camera * point)
         .collect();
+    let settings = PlannerSettings {
+        max_group: pick.max_group as usize,
+        ..spec.planner.clone()
+    };
     let request = PlanRequest {
         arm: &spec.arm,
         gripper: &spec.gripper,
@@ -205,7 +214,7 @@ fn plan_one(
         obstacle_points: &obstacle_points,
         start,
         place: &spec.place,
-        settings: &spec.planner,
+        settings: &settings,
     };
     let started = stopwatch();
     let planned = plan_pick(&request);
@@ -217,14 +226,17 @@ fn plan_one(
             .min_clearance_mm
             .map_or(clearance, |least| least.min(clearance)),
     );
-    events.push(plan_event(spec, &plan, left[plan.box_index]));
+    events.push(plan_event(spec, &plan, left));
     Ok(plan)
 }
 
 /// The plan's waypoints as the server sends them.
-fn path_points(plan: &PickPlan, label: i32, picked_before: i32) -> Vec<PathPoint> {
+fn path_points(plan: &PickPlan, of_cartons: &[i32], picked_before: i32) -> Vec<PathPoint> {
     let mut labels = [0; 10];
-    labels[0] = label;
+    for (label, of_carton) in labels.iter_mut().zip(of_cartons) {
+        *label = *of_carton;
+    }
+    let picked_now = of_cartons.len() as i32;
     let points = plan.waypoints.iter().enumerate().map(|(index, waypoint)| {
         let is_pick = index == plan.pick_index;
         PathPoint {
@@ -236,11 +248,11 @@ fn path_points(plan: &PickPlan, label: i32, picked_before: i32) -> Vec<PathPoint
             },
             tool: TOOL,
             velocity_percent: waypoint.velocity_percent,
-            label: if is_pick { label } else { 0 },
+            label: if is_pick { labels[0] } else { 0 },
             vision_move: is_pick.then(|| VisionMoveData {
                 labels,
-                picked_total: picked_before + 1,
-                picked_now: 1,
+                picked_total: picked_before + picked_now,
+                picked_now,
                 edge_or_corner: i32::from(plan.edge_corner_id),
                 group_from_tcp_offset: plan.tcp_offset,
                 is_group_square: plan.group_orientation == 1,
@@ -256,9 +268,10 @@ fn path_points(plan: &PickPlan, label: i32, picked_before: i32) -> Vec<PathPoint
     points.collect()
 }
 
-fn plan_event(spec: &CellSpec, plan: &PickPlan, detection: usize) -> EventKind {
+fn plan_event(spec: &CellSpec, plan: &PickPlan, left: &[usize]) -> EventKind {
     EventKind::Plan {
-        detection,
+        detection: left[plan.box_index],
+        detections: plan.box_indices.iter().map(|i| left[*i]).collect(),
         waypoints: plan
             .waypoints
             .iter()
@@ -283,17 +296,17 @@ fn plan_event(spec: &CellSpec, plan: &PickPlan, detection: usize) -> EventKind {
         rejected: plan
             .rejected
             .iter()
-            .map(|rejection| format!("box {}: {}", rejection.box_index, rejection.reason))
+            .map(|rejection| rejection.clone().renumbered(left).to_string())
             .collect(),
     }
 }
 
 /// The reason of each candidate in words.
-fn refusal_reasons(refusal: &Refusal) -> Vec<String> {
+fn refusal_reasons(refusal: &Refusal, left: &[usize]) -> Vec<String> {
     match refusal {
         Refusal::NothingFits(rejections) => rejections
             .iter()
-            .map(|rejection| format!("box {}: {}", rejection.box_index, rejection.reason))
+            .map(|rejection| rejection.clone().renumbered(left).to_string())
             .collect(),
         other => vec![other.to_string()],
     }
@@ -307,9 +320,11 @@ fn refusal_meaning(refusal: &Refusal) -> (Status, FailureReason) {
             Some(RejectReason::Unreachable { .. }) => {
                 (Status::VizUnreachable, FailureReason::IkUnreachable)
             }
-            Some(RejectReason::NoSectionFits { .. } | RejectReason::TooLittleForce { .. }) => {
-                (Status::VizBadPickPoint, FailureReason::PlanCollision)
-            }
+            Some(
+                RejectReason::NoSectionFits { .. }
+                | RejectReason::TooLittleForce { .. }
+                | RejectReason::TooHeavy { .. },
+            ) => (Status::VizBadPickPoint, FailureReason::PlanCollision),
             Some(RejectReason::LowConfidence { .. } | RejectReason::Tilted { .. }) => {
                 (Status::VizBadPickPoint, FailureReason::PoseError)
             }

@@ -26,12 +26,12 @@ pub struct Pick {
     pub number: u32,
     /// When the vacuum was switched on.
     pub started: SimTime,
-    /// The carton that the plan aimed at, by truth.
-    pub target: Option<u32>,
+    /// The cartons that the plan aimed at, by truth.
+    pub targets: Vec<u32>,
     /// Whether the vacuum switch closed.
     pub vacuum_reached: bool,
-    /// The carton that was held.
-    pub held: Option<u32>,
+    /// The cartons that were held, in the order in which they were gripped.
+    pub held: Vec<u32>,
     /// The first reason it went wrong.
     pub failure: Option<(FailureReason, String)>,
 }
@@ -47,6 +47,8 @@ pub struct Score {
     pub run_failure: Option<(FailureReason, String)>,
     /// Time from one finished pick to the next, s (the first counts from the first exposure).
     pub cycles: Vec<f64>,
+    /// Cartons placed by those picks.
+    pub placed: u64,
     /// When each delivery or placement happened.
     pub last_success: Option<SimTime>,
     /// When the last carton left the cell.
@@ -102,14 +104,14 @@ impl Score {
     }
 
     /// Opens a pick and returns its number.
-    pub fn start_pick(&mut self, now: SimTime, target: Option<u32>) -> u32 {
+    pub fn start_pick(&mut self, now: SimTime, targets: Vec<u32>) -> u32 {
         let number = self.picks.len() as u32 + 1;
         self.open = Some(Pick {
             number,
             started: now,
-            target,
+            targets,
             vacuum_reached: false,
-            held: None,
+            held: Vec::new(),
             failure: None,
         });
         number
@@ -131,6 +133,7 @@ impl Score {
         self.last_finish = Some(now);
         if failure.is_none() {
             self.cycles.push(cycle.as_secs_f64());
+            self.placed += pick.held.len() as u64;
             self.last_success = Some(now);
         }
         self.picks
@@ -162,7 +165,7 @@ impl Score {
         };
         let hours = (last - first).as_secs_f64() / 3600.0;
         if hours > 0.0 {
-            self.cycles.len() as f64 / hours
+            self.placed as f64 / hours
         } else {
             0.0
         }

@@ -1,7 +1,7 @@
 //! The vision computer: the server's brain, the planning project's engine, and the work they ask for.
 //! Each result is handed over when its simulated time has come.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use depal_frames::{BoxSize, JointPositions};
 use depal_interface::{Direction, FrameFaults, JobId, PortId, Server, Status};
@@ -82,7 +82,8 @@ pub(crate) struct VisionSide {
     frame_faults: FrameFaults,
     /// Cartons planned so far, by vision project; 0 is the planning project.
     picked: BTreeMap<i32, i32>,
-    target: Option<u32>,
+    /// By truth: the cartons that the path sent last aims at, by round; the first round is the next one.
+    targets: VecDeque<Vec<u32>>,
     last_failure: Option<FailureReason>,
     /// Status codes of the replies to the last exchange: what a program that stops has heard.
     last_status: Option<i32>,
@@ -115,7 +116,7 @@ impl VisionSide {
             frames: 0,
             frame_faults: FrameFaults::new(&spec.interface.faults),
             picked: BTreeMap::new(),
-            target: None,
+            targets: VecDeque::new(),
             last_failure: None,
             last_status: None,
             stopwatch,
@@ -124,9 +125,17 @@ impl VisionSide {
         })
     }
 
-    /// The carton that the path sent last aims at, by truth.
-    pub(crate) fn target_carton(&self) -> Option<u32> {
-        self.target
+    /// The cartons that the next pick aims at, by truth.
+    pub(crate) fn targets(&self) -> &[u32] {
+        self.targets.front().map_or(&[], Vec::as_slice)
+    }
+
+    /// The same, as the pick begins; the last round stays, for a program that tries it again.
+    pub(crate) fn next_targets(&mut self) -> Vec<u32> {
+        match self.targets.len() {
+            0 | 1 => self.targets().to_vec(),
+            _ => self.targets.pop_front().unwrap_or_default(),
+        }
     }
 
     /// Why the last run of the planning project gave no path.

@@ -16,8 +16,8 @@ pub(crate) struct Joined {
     pub(crate) rounds: Vec<Vec<u16>>,
     /// Data of the vision projects' own, a row for each Vision Move.
     pub(crate) custom_ports: Vec<CustomPort>,
-    /// By truth: the carton that the last plan aims at.
-    pub(crate) carton: Option<u32>,
+    /// By truth: the cartons that the plans aim at, by round.
+    pub(crate) cartons: Vec<Vec<u32>>,
 }
 
 /// A waypoint, or a move that waits for the one after it.
@@ -54,7 +54,7 @@ pub(crate) fn join(
                         None => joined.custom_ports.push(port.clone()),
                     }
                 }
-                joined.carton = plan.carton.or(joined.carton);
+                joined.cartons.extend(plan.cartons.iter().cloned());
                 slots.extend(
                     plan.points
                         .iter()

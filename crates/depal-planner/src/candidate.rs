@@ -1,23 +1,31 @@
 use depal_frames::{Point, Vector};
 
 use crate::{
+    grasp::grasps,
+    group::{Group, fewest_picks},
     refusal::{RejectReason, Rejection},
-    request::{PlannerSettings, SeenBox},
+    request::{PlanRequest, PlannerSettings, SeenBox},
 };
 
-/// Boxes in the order in which they are tried, and those that are left out before any motion is planned.
+/// Picks in the order in which they are tried, and boxes that are left out before any motion is planned.
 pub(crate) struct Candidates {
-    pub order: Vec<usize>,
+    pub order: Vec<Group>,
     pub rejected: Vec<Rejection>,
 }
 
 impl Candidates {
-    pub fn choose(boxes: &[SeenBox], place: &Point, settings: &PlannerSettings) -> Self {
+    pub fn choose(request: &PlanRequest) -> Self {
+        let (boxes, settings) = (request.boxes, request.settings);
+        let place = Point::from(request.place.base_from_place.translation.vector);
         let mut rejected = Vec::new();
         let mut free = Vec::new();
         for (box_index, seen) in boxes.iter().enumerate() {
             match unfit(boxes, box_index, seen, settings) {
-                Some(reason) => rejected.push(Rejection { box_index, reason }),
+                Some(reason) => rejected.push(Rejection {
+                    box_index,
+                    with: Vec::new(),
+                    reason,
+                }),
                 None => free.push(box_index),
             }
         }
@@ -27,21 +35,40 @@ impl Candidates {
             .fold(f64::INFINITY, f64::min);
         let tolerance = smallest * settings.layer_share;
         let top = |i: usize| boxes[i].base_from_box.translation.z;
-        let far_mm = |i: usize| {
-            let at = boxes[i].base_from_box.translation.vector;
+        let far_mm = |group: &Group| {
+            let at = group.whole.base_from_box.translation.vector;
             ((at.xy() - place.coords.xy()).norm() * 1e3).round() as i64
         };
         // Layers from the highest top downwards; inside one the nearest to the place first.
         let mut order = Vec::new();
         while let Some(highest) = free.iter().map(|&i| top(i)).max_by(f64::total_cmp) {
-            let (mut layer, rest): (Vec<usize>, Vec<usize>) =
+            let (layer, rest): (Vec<usize>, Vec<usize>) =
                 free.iter().partition(|&&i| highest - top(i) <= tolerance);
-            layer.sort_by_key(|&i| (far_mm(i), i));
-            order.extend(layer);
+            let single = |&i: &usize| Group::single(i, &boxes[i]);
+            let mut picks = if settings.max_group > 1 {
+                fewest_picks(boxes, &layer, settings, |group| {
+                    load(group, settings) <= settings.max_load
+                        && grasps(request.gripper, group, settings).is_ok()
+                })
+            } else {
+                layer.iter().map(single).collect()
+            };
+            picks.sort_by_key(|group| (far_mm(group), group.members[0]));
+            let grouped = picks.iter().filter(|group| group.members.len() > 1);
+            let mut again: Vec<Group> =
+                grouped.flat_map(|g| g.members.iter().map(single)).collect();
+            again.sort_by_key(|group| (far_mm(group), group.members[0]));
+            order.extend(picks);
+            order.extend(again);
             free = rest;
         }
         Self { order, rejected }
     }
+}
+
+/// What would hang on the gripper, kg.
+pub(crate) fn load(group: &Group, settings: &PlannerSettings) -> f64 {
+    group.members.len() as f64 * settings.max_carton_mass
 }
 
 fn unfit(

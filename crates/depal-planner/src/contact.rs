@@ -14,8 +14,8 @@ pub(crate) struct Check<'a> {
     pub world: &'a World,
     /// The carton on the gripper.
     pub carton: Option<&'a Body>,
-    /// A seen box that is no obstacle here: the one to be picked.
-    pub without: Option<usize>,
+    /// Seen boxes that are no obstacles here: those to be picked.
+    pub without: &'a [usize],
     pub stage: Stage,
 }
 

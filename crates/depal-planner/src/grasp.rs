@@ -3,36 +3,43 @@ use depal_gripper::GripperSpec;
 use nalgebra::Translation3;
 
 use crate::{
+    group::{Face, Group},
     refusal::RejectReason,
-    request::{PlannerSettings, SeenBox},
+    request::PlannerSettings,
     suction::{holding_force, needed_at_rest},
 };
 
-/// One way to hold a box.
+/// An edge of the gripper and one of the carton are flush when they are this close, m.
+const FLUSH: f64 = 0.02;
+
+/// One way to hold a group of boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Grasp {
     /// Sections to switch on, ascending.
     pub sections: Vec<usize>,
-    /// Tool pose on the box.
+    /// Tool pose on the group.
     pub box_from_tcp: Pose,
     /// From the tool centre to the middle of the top face, tool frame.
     pub tcp_offset: Vector,
-    /// Holding force at full vacuum, N.
+    /// Holding force at full vacuum on the carton that is held least, N.
     pub force: f64,
-    /// The long side of the box lies across the tool's X.
+    /// The long side of the group lies across the tool's X.
     pub across: bool,
-    /// The carton in the tool frame.
+    /// Edge or corner of the gripper that is flush with the group, as in [`crate::PickPlan::edge_corner_id`].
+    pub edge_corner_id: u8,
+    /// The group in the tool frame.
     pub carried: PlacedShape,
 }
 
 /// All grasps, best first: more force, then less offset, then a fixed order.
 pub(crate) fn grasps(
     gripper: &GripperSpec,
-    seen: &SeenBox,
+    group: &Group,
     settings: &PlannerSettings,
 ) -> Result<Vec<Grasp>, RejectReason> {
     use std::f64::consts::{FRAC_PI_2, PI};
-    let (length, width, height) = (seen.size.length, seen.size.width, seen.size.height);
+    let size = &group.whole.size;
+    let (length, width, height) = (size.length, size.width, size.height);
     let mut found = Vec::new();
     for yaw in [FRAC_PI_2, -FRAC_PI_2, 0.0, PI] {
         let across = yaw.abs() == FRAC_PI_2;
@@ -42,36 +49,25 @@ pub(crate) fn grasps(
         } else {
             [length * 0.5, width * 0.5]
         };
-        for (first, last) in groups(gripper.sections.len()) {
-            let group = &gripper.sections[first..=last];
-            let middle = |low: usize, high: usize| {
-                let low = group
-                    .iter()
-                    .map(|s| s.area[low])
-                    .fold(f64::INFINITY, f64::min);
-                let high = group
-                    .iter()
-                    .map(|s| s.area[high])
-                    .fold(f64::NEG_INFINITY, f64::max);
-                (low + high) * 0.5
-            };
-            let tcp_offset = Vector::new(middle(0, 1), middle(2, 3), 0.0);
+        let turn = Rotation::from_axis_angle(&Vector::z_axis(), yaw)
+            * Rotation::from_axis_angle(&Vector::x_axis(), PI);
+        let faces: Vec<Face> = group.faces.iter().map(|face| turned(face, &turn)).collect();
+        for (members, tcp_offset) in runs(gripper) {
             let sections: Vec<usize> = (0..gripper.sections.len())
-                .filter(|&s| wholly_on(gripper, s, &tcp_offset, half, settings.cup_margin))
+                .filter(|&s| wholly_on(gripper, s, &tcp_offset, &faces, settings.cup_margin))
                 .collect();
-            // A group that does not fit, or one that is part of a larger one that does.
-            if sections != (first..=last).collect::<Vec<_>>() {
+            // A run that does not fit, or one that is part of a larger one that does.
+            if sections != members {
                 continue;
             }
-            let turn = Rotation::from_axis_angle(&Vector::z_axis(), yaw)
-                * Rotation::from_axis_angle(&Vector::x_axis(), PI);
             let box_from_tcp = Pose::from_parts(Translation3::from(turn * -tcp_offset), turn);
             let carried = PlacedShape::cuboid(
                 Pose::translation(tcp_offset.x, tcp_offset.y, height * 0.5),
                 Vector::new(half[0] * 2.0, half[1] * 2.0, height),
             );
             found.push(Grasp {
-                force: holding_force(gripper, &sections),
+                force: least_force(gripper, &sections, &tcp_offset, &faces),
+                edge_corner_id: edge_corner_id(gripper, &tcp_offset, half),
                 sections,
                 box_from_tcp,
                 tcp_offset,
@@ -101,17 +97,80 @@ pub(crate) fn grasps(
     Ok(found)
 }
 
-/// Every run of neighbouring sections, as first and last.
-fn groups(count: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..count).flat_map(move |first| (first..count).map(move |last| (first, last)))
+/// A face along the tool's X and Y, about the group's middle. The turn is by quarters, face down.
+fn turned(face: &Face, turn: &Rotation) -> Face {
+    let to_tool = turn.inverse();
+    let middle = to_tool * Vector::new(face.middle[0], face.middle[1], 0.0);
+    let half = to_tool * Vector::new(face.half[0], face.half[1], 0.0);
+    Face {
+        middle: [middle.x, middle.y],
+        half: [half.x.abs(), half.y.abs()],
+    }
 }
 
-/// Whether all cups of a section lie on the face, whose middle is at `tcp_offset`. A section without cups does not.
+/// Rectangles of neighbouring sections, with the place of the middle of each. Sections in a row or in rows and columns.
+fn runs(gripper: &GripperSpec) -> Vec<(Vec<usize>, Vector)> {
+    let strips = |low: usize, high: usize| {
+        let mut strips: Vec<[f64; 2]> = Vec::new();
+        for section in &gripper.sections {
+            let strip = [section.area[low], section.area[high]];
+            let is_known = |s: &[f64; 2]| (s[0] - strip[0]).abs() + (s[1] - strip[1]).abs() < 2e-3;
+            if !strips.iter().any(is_known) {
+                strips.push(strip);
+            }
+        }
+        strips.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        strips
+    };
+    let spans = |strips: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        let all = (0..strips.len())
+            .flat_map(|first| (first..strips.len()).map(move |last| [first, last]));
+        all.map(|[first, last]| [strips[first][0], strips[last][1]])
+            .collect()
+    };
+    let mut found: Vec<(Vec<usize>, Vector)> = Vec::new();
+    for x in spans(&strips(0, 1)) {
+        for y in spans(&strips(2, 3)) {
+            let inside = |s: &depal_gripper::SectionSpec| {
+                s.area[0] >= x[0] - 1e-3
+                    && s.area[1] <= x[1] + 1e-3
+                    && s.area[2] >= y[0] - 1e-3
+                    && s.area[3] <= y[1] + 1e-3
+            };
+            let members: Vec<usize> = (0..gripper.sections.len())
+                .filter(|&s| inside(&gripper.sections[s]))
+                .collect();
+            let bounds = |low: usize, high: usize| {
+                let areas = members.iter().map(|&s| gripper.sections[s].area);
+                areas.fold([f64::INFINITY, f64::NEG_INFINITY], |b, area| {
+                    [b[0].min(area[low]), b[1].max(area[high])]
+                })
+            };
+            let is_known = |(known, _): &(Vec<usize>, Vector)| *known == members;
+            if members.is_empty() || found.iter().any(is_known) {
+                continue;
+            }
+            let middle = |b: [f64; 2]| (b[0] + b[1]) * 0.5;
+            let at = Vector::new(middle(bounds(0, 1)), middle(bounds(2, 3)), 0.0);
+            found.push((members, at));
+        }
+    }
+    found
+}
+
+/// Whether a cup of this reach lies wholly on a face, whose group's middle is at `tcp_offset`.
+fn is_on(position: [f64; 2], reach: f64, tcp_offset: &Vector, face: &Face) -> bool {
+    (position[0] - tcp_offset.x - face.middle[0]).abs() + reach <= face.half[0]
+        && (position[1] - tcp_offset.y - face.middle[1]).abs() + reach <= face.half[1]
+}
+
+/// Whether all cups of a section lie wholly on faces of the group: no cup on a gap, none on a box beside it.
+/// A section without cups does not.
 fn wholly_on(
     gripper: &GripperSpec,
     section: usize,
     tcp_offset: &Vector,
-    half: [f64; 2],
+    faces: &[Face],
     margin: f64,
 ) -> bool {
     let mut cups = gripper
@@ -122,7 +181,54 @@ fn wholly_on(
     cups.peek().is_some()
         && cups.all(|cup| {
             let reach = cup.diameter * 0.5 + margin;
-            (cup.position[0] - tcp_offset.x).abs() + reach <= half[0]
-                && (cup.position[1] - tcp_offset.y).abs() + reach <= half[1]
+            faces
+                .iter()
+                .any(|face| is_on(cup.position, reach, tcp_offset, face))
         })
+}
+
+/// Holding force on the face that gets the least, N.
+fn least_force(
+    gripper: &GripperSpec,
+    sections: &[usize],
+    tcp_offset: &Vector,
+    faces: &[Face],
+) -> f64 {
+    let on_face = |face: &Face| {
+        let cups = gripper.cups.iter().filter(|cup| {
+            sections.contains(&cup.section) && is_on(cup.position, 0.0, tcp_offset, face)
+        });
+        holding_force(gripper, cups)
+    };
+    faces.iter().map(on_face).fold(f64::INFINITY, f64::min)
+}
+
+/// Which edge or corner of the suction field is flush with the group, whose half sides along the tool's axes are given.
+/// Flush on two opposite sides is none: the group is as large as the field.
+fn edge_corner_id(gripper: &GripperSpec, tcp_offset: &Vector, half: [f64; 2]) -> u8 {
+    let side = |axis: usize| {
+        let areas = || gripper.sections.iter().map(|s| s.area);
+        let low = areas().map(|a| a[2 * axis]).fold(f64::INFINITY, f64::min);
+        let high = areas()
+            .map(|a| a[2 * axis + 1])
+            .fold(f64::NEG_INFINITY, f64::max);
+        let at_high = (tcp_offset[axis] + half[axis] - high).abs() <= FLUSH;
+        let at_low = (tcp_offset[axis] - half[axis] - low).abs() <= FLUSH;
+        match (at_low, at_high) {
+            (false, true) => 1,
+            (true, false) => -1,
+            _ => 0,
+        }
+    };
+    match (side(0), side(1)) {
+        (1, 0) => 1,
+        (0, 1) => 2,
+        (-1, 0) => 3,
+        (0, -1) => 4,
+        (1, 1) => 5,
+        (-1, 1) => 6,
+        (-1, -1) => 7,
+        (1, -1) => 8,
+        _ => 0,
+    }
 }

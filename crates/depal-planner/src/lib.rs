@@ -8,8 +8,12 @@
 //!
 //! How it decides:
 //! 1. Order: boxes of the top layer first (within half a height), nearest to the place first; covered ones are left out.
-//! 2. Grasp: every group of neighbouring sections whose cups lie wholly on the face, in four yaws;
-//!    more sealed area first, then less offset. Only what holds [`PlannerSettings::max_carton_mass`] is kept.
+//!    With [`PlannerSettings::max_group`] above 1 the layer is divided into the fewest picks: rectangles of like boxes
+//!    side by side, each of which the gripper can hold and the arm carry, so that no box is left alone without need.
+//!    The boxes of a group that cannot be picked together come again one by one.
+//! 2. Grasp: every rectangle of neighbouring sections whose cups lie wholly on faces of the group, none on a gap or on a
+//!    box beside it, in four yaws; more sealed area first, then less offset. Only what holds
+//!    [`PlannerSettings::max_carton_mass`] on every face is kept.
 //! 3. Joints: all branches and turns of the inverse at pick and place, sorted by obstacle-free time.
 //! 4. Path: direct joint move, then turn-while-raised and lift-turn-lower templates, in order of their time;
 //!    checked with padded bodies, corner chords included. Where all of them are blocked, a seeded search with two trees.
@@ -33,7 +37,7 @@
 //! assert_eq!(Refusal::NoBoxes.to_string(), "no boxes were seen");
 //! ```
 //!
-//! Limitations: one box at a time, centred on its sections; boxes must stand upright (a few degrees of tilt).
+//! Limitations: groups are rectangles of like boxes turned alike, centred on their sections; boxes must stand upright (a few degrees of tilt).
 //! [`plan_transfer`] gives joint moves only and needs 1.5 mm of room at both ends.
 
 mod bodies;
@@ -41,6 +45,7 @@ mod candidate;
 mod certificate;
 mod contact;
 mod grasp;
+mod group;
 mod path;
 mod plan;
 mod planner;
@@ -58,7 +63,8 @@ pub use planner::plan_pick;
 pub use refusal::{Obstacle, Refusal, RejectReason, Rejection, Stage, Touch};
 pub use request::{PlaceSpec, PlanRequest, PlannerSettings, SeenBox};
 pub use transfer::{
-    TransferChecker, TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint, plan_transfer,
+    TransferChecker, TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint,
+    plan_transfer,
 };
 
 #[cfg(test)]

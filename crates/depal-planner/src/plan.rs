@@ -36,21 +36,26 @@ pub struct PickPlan {
     pub waypoints: Vec<Waypoint>,
     /// Index of the pick among the waypoints.
     pub pick_index: usize,
-    /// Index of the box among the request's.
+    /// Index of the box among the request's; of a group its first.
     pub box_index: usize,
+    /// Indices of all boxes that are picked, ascending.
+    pub box_indices: Vec<usize>,
+    /// The carton or group before it is lifted: middle of the top face, Z up, X along the long side.
+    pub base_from_group: Pose,
     /// Sections to switch on, ascending.
     pub sections: Vec<usize>,
-    /// From the tool centre to the middle of the carton's top face, tool frame, m.
+    /// From the tool centre to the middle of the carton's (or the group's) top face, tool frame, m.
     pub tcp_offset: Vector,
-    /// Which edge or corner of the gripper is aligned with the carton; 0 = none, it is centred on its sections.
+    /// Which edge or corner of the suction field is flush with the edges of the carton or group, in the tool frame:
+    /// 1 to 4 the edges at +X, +Y, -X, -Y; 5 to 8 the corners +X +Y, -X +Y, -X -Y, +X -Y; 0 none, or opposite ones.
     pub edge_corner_id: u8,
     /// Orientation of the group against the gripper's long side: 0 along it, 1 across.
     pub group_orientation: u8,
-    /// Orientation of the single box in the group: 0 along it, 1 across. One box is its own group: 0.
+    /// Orientation of the boxes in their group: long side along the group's long side 0, across it 1. One box is its own group: 0.
     pub box_orientation: u8,
     /// Length, width and height of the group, m.
     pub group_size: [f64; 3],
-    /// The carton in the tool frame while it is carried.
+    /// The carton or group in the tool frame while it is carried.
     pub carried: PlacedShape,
     /// Least distance of arm, gripper and (in free moves) carton to anything, m; at most 0.15, where measuring ends.
     /// The picked box itself counts as carton, and the carton's rubbing distance to its neighbours and to the supports

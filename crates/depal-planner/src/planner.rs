@@ -1,11 +1,12 @@
-use depal_frames::{JointPositions, Point, Pose, Rotation, Vector};
+use depal_frames::{JointPositions, Pose, Rotation, Vector};
 
 use crate::{
     bodies::{Body, Robot},
-    candidate::{Candidates, footprint_overlap},
+    candidate::{Candidates, footprint_overlap, load},
     certificate::certify,
     contact::Check,
     grasp::{Grasp, grasps},
+    group::Group,
     path::{Blocked, corner_states, touch_on_states, touch_on_way, vertical_line, ways},
     plan::{Motion, PickPlan, Waypoint},
     refusal::{Refusal, RejectReason, Rejection, Stage, Touch},
@@ -46,15 +47,18 @@ pub fn plan_pick(request: &PlanRequest) -> Result<PickPlan, Refusal> {
         worlds: &worlds,
         start_far: planner_start(request, &robot, &worlds)?,
     };
-    let place = Point::from(request.place.base_from_place.translation.vector);
-    let mut candidates = Candidates::choose(request.boxes, &place, settings);
-    for &box_index in &candidates.order {
-        match planner.pick_box(box_index) {
+    let mut candidates = Candidates::choose(request);
+    for group in &candidates.order {
+        match planner.pick(group) {
             Ok(mut plan) => {
                 plan.rejected = candidates.rejected;
                 return Ok(plan);
             }
-            Err(reason) => candidates.rejected.push(Rejection { box_index, reason }),
+            Err(reason) => candidates.rejected.push(Rejection {
+                box_index: group.members[0],
+                with: group.members[1..].to_vec(),
+                reason,
+            }),
         }
     }
     Err(Refusal::NothingFits(candidates.rejected))
@@ -73,7 +77,7 @@ fn planner_start(request: &PlanRequest, robot: &Robot, worlds: &Worlds) -> Resul
         robot,
         world,
         carton: None,
-        without: None,
+        without: &[],
         stage: Stage::Start,
     };
     if check(&worlds.far).touch(&request.start).is_none() {
@@ -146,18 +150,22 @@ impl Planner<'_> {
         self.request.arm.base_from_flange(joints) * self.request.gripper.flange_from_tcp
     }
 
-    fn pick_box(&self, index: usize) -> Result<PickPlan, RejectReason> {
+    fn pick(&self, group: &Group) -> Result<PickPlan, RejectReason> {
         let settings = self.request.settings;
-        let grasps = grasps(self.request.gripper, &self.request.boxes[index], settings)?;
+        let (mass, limit) = (load(group, settings), settings.max_load);
+        if mass > limit {
+            return Err(RejectReason::TooHeavy { mass, limit });
+        }
+        let grasps = grasps(self.request.gripper, group, settings)?;
         let mut notes = Notes::default();
         let mut tried = 0;
         let mut first: Vec<(&Grasp, Attempt)> = Vec::new();
         // Equally good grasps are mixed and sorted by time; worse ones come only when these lead nowhere.
         for tier in grasps.chunk_by(equally_good) {
-            for attempt in self.attempts(index, tier, &mut notes) {
+            for attempt in self.attempts(group, tier, &mut notes) {
                 tried += 1;
                 let grasp = &tier[attempt.grasp];
-                if let Some(plan) = self.way(index, grasp, &attempt, false, &mut notes) {
+                if let Some(plan) = self.way(group, grasp, &attempt, false, &mut notes) {
                     return self.sized(plan);
                 }
                 if first.len() < settings.search_attempts {
@@ -167,7 +175,7 @@ impl Planner<'_> {
         }
         // No template is free: search for the first few.
         for (grasp, attempt) in &first {
-            if let Some(plan) = self.way(index, grasp, attempt, true, &mut notes) {
+            if let Some(plan) = self.way(group, grasp, attempt, true, &mut notes) {
                 return self.sized(plan);
             }
         }
@@ -183,10 +191,10 @@ impl Planner<'_> {
     }
 
     /// The fastest combinations whose pick and place are reachable and free, in order of obstacle-free time.
-    fn attempts(&self, index: usize, grasps: &[Grasp], notes: &mut Notes) -> Vec<Attempt> {
+    fn attempts(&self, group: &Group, grasps: &[Grasp], notes: &mut Notes) -> Vec<Attempt> {
         let request = self.request;
         let (arm, settings) = (request.arm, request.settings);
-        let seen = &request.boxes[index];
+        let seen = &group.whole;
         let tcp_from_flange = request.gripper.flange_from_tcp.inverse();
         let mut attempts: Vec<Attempt> = Vec::new();
         for (g, grasp) in grasps.iter().enumerate() {
@@ -195,7 +203,7 @@ impl Planner<'_> {
                 robot: self.robot,
                 world: &self.worlds.close,
                 carton: None,
-                without: Some(index),
+                without: &group.members,
                 stage: Stage::Pick,
             };
             let picks = arm.inverse(&at_pick);
@@ -239,16 +247,18 @@ impl Planner<'_> {
     }
 
     /// How far the carton is lifted straight up: its bottom clears whatever stands beside it, corner cutting included.
-    fn lift_height(&self, index: usize) -> f64 {
+    fn lift_height(&self, group: &Group) -> f64 {
         let settings = self.request.settings;
-        let target = &self.request.boxes[index];
+        let target = &group.whole;
         let bottom = target.base_from_box.translation.z - target.size.height;
         let neighbours = self
             .request
             .boxes
             .iter()
             .enumerate()
-            .filter(|&(i, other)| i != index && footprint_overlap(target, other) > -0.1)
+            .filter(|&(i, other)| {
+                !group.members.contains(&i) && footprint_overlap(target, other) > -0.1
+            })
             .map(|(_, other)| other.base_from_box.translation.z)
             .fold(bottom, f64::max);
         let above = settings
@@ -260,7 +270,7 @@ impl Planner<'_> {
     /// The whole way of one attempt; what hinders it is noted.
     fn way(
         &self,
-        index: usize,
+        group: &Group,
         grasp: &Grasp,
         attempt: &Attempt,
         search: bool,
@@ -278,7 +288,7 @@ impl Planner<'_> {
             stage,
         };
         let Worlds { far, close, bare } = self.worlds;
-        let target = Some(index);
+        let target = &group.members[..];
 
         // The straight moves.
         let mut line = |start: &JointPositions, rise: f64, stage: Stage| {
@@ -290,7 +300,7 @@ impl Planner<'_> {
         };
         let mut approach = line(&attempt.pick, settings.approach_height, Stage::Approach)?;
         approach.reverse();
-        let lift = line(&attempt.pick, self.lift_height(index), Stage::Lift)?;
+        let lift = line(&attempt.pick, self.lift_height(group), Stage::Lift)?;
         let mut set_down = line(&attempt.place, settings.place_height, Stage::SetDown)?;
         set_down.reverse();
         let down = check(Stage::Approach, close, None, target);
@@ -311,7 +321,7 @@ impl Planner<'_> {
 
         // The free moves.
         let first_world = if self.start_far { far } else { close };
-        let to_pick = check(Stage::TransferToPick, first_world, None, None);
+        let to_pick = check(Stage::TransferToPick, first_world, None, &[]);
         let to_place = check(Stage::TransferToPlace, far, Some(&carton), target);
         let there = self.free_way(
             &to_pick,
@@ -333,10 +343,9 @@ impl Planner<'_> {
         )?;
 
         // The certificate: true bodies, all of the way.
-        let bare_of = |check: &Check<'_>| check.without;
         let mut clearance = f64::INFINITY;
-        let stretches: [(Option<&Body>, Option<usize>, &[JointPositions]); 5] = [
-            (None, bare_of(&to_pick), &there),
+        let stretches: [(Option<&Body>, &[usize], &[JointPositions]); 5] = [
+            (None, &[], &there),
             (None, target, &approach),
             (None, target, &lift),
             (Some(&carton), target, &back),
@@ -350,7 +359,7 @@ impl Planner<'_> {
             }
         }
         Some(self.finish(
-            index, grasp, &there, &approach, &lift, &back, &set_down, clearance,
+            group, grasp, &there, &approach, &lift, &back, &set_down, clearance,
         ))
     }
 
@@ -415,7 +424,7 @@ impl Planner<'_> {
 
     fn finish(
         &self,
-        box_index: usize,
+        group: &Group,
         grasp: &Grasp,
         there: &[JointPositions],
         approach: &[JointPositions],
@@ -477,17 +486,19 @@ impl Planner<'_> {
             straight,
             false,
         );
-        let size = request.boxes[box_index].size;
+        let size = group.whole.size;
         PickPlan {
             pick_index: there.len() - 1,
             estimated_time: chain_time(&moves),
             waypoints,
-            box_index,
+            box_index: group.members[0],
+            box_indices: group.members.clone(),
+            base_from_group: group.whole.base_from_box,
             sections: grasp.sections.clone(),
             tcp_offset: grasp.tcp_offset,
-            edge_corner_id: 0,
+            edge_corner_id: grasp.edge_corner_id,
             group_orientation: u8::from(grasp.across),
-            box_orientation: 0,
+            box_orientation: u8::from(group.is_across),
             group_size: [size.length, size.width, size.height],
             carried: grasp.carried.clone(),
             min_clearance,

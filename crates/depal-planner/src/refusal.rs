@@ -125,6 +125,13 @@ pub enum RejectReason {
         /// Needed at rest with the safety factor, N.
         needed: f64,
     },
+    /// The gripper could carry it, the arm could not.
+    TooHeavy {
+        /// Assumed mass of what would hang on the gripper, kg.
+        mass: f64,
+        /// Allowed, kg.
+        limit: f64,
+    },
     /// No joints inside the limits reach it.
     Unreachable {
         /// Pick or place, or a straight stretch of the way.
@@ -174,6 +181,10 @@ impl fmt::Display for RejectReason {
                 f,
                 "the sections that fit hold {force:.0} N, needed are {needed:.0} N"
             ),
+            Self::TooHeavy { mass, limit } => write!(
+                f,
+                "it is taken to weigh {mass:.0} kg, the arm carries {limit:.0} kg below the gripper"
+            ),
             Self::Unreachable { stage, tried } => write!(
                 f,
                 "the arm cannot reach it {stage} (ik_unreachable, {tried} poses tried)"
@@ -189,10 +200,44 @@ impl fmt::Display for RejectReason {
 /// A box that was looked at and not taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rejection {
-    /// Index in the request's boxes.
+    /// Index in the request's boxes; of a group its first.
     pub box_index: usize,
+    /// Indices of the boxes that were to be picked together with it.
+    pub with: Vec<usize>,
     /// Why.
     pub reason: RejectReason,
+}
+
+impl Rejection {
+    /// The same with box `i` called `numbers[i]`: the request's boxes were taken out of a longer list.
+    /// Boxes beyond the list keep their index.
+    #[must_use]
+    pub fn renumbered(mut self, numbers: &[usize]) -> Self {
+        let number = |i: usize| numbers.get(i).copied().unwrap_or(i);
+        self.box_index = number(self.box_index);
+        for other in &mut self.with {
+            *other = number(*other);
+        }
+        match &mut self.reason {
+            RejectReason::Covered { by, .. } => *by = number(*by),
+            RejectReason::Collision { touch, .. } => match &mut touch.obstacle {
+                Obstacle::Box(i) | Obstacle::BelowBox(i) => *i = number(*i),
+                _ => {}
+            },
+            _ => {}
+        }
+        self
+    }
+}
+
+impl fmt::Display for Rejection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "box {}", self.box_index)?;
+        for other in &self.with {
+            write!(f, "+{other}")?;
+        }
+        write!(f, ": {}", self.reason)
+    }
 }
 
 /// No plan, and why.
@@ -238,7 +283,7 @@ impl fmt::Display for Refusal {
             Self::NothingFits(rejections) => {
                 write!(f, "none of {} boxes can be picked", rejections.len())?;
                 for r in rejections {
-                    write!(f, "; box {}: {}", r.box_index, r.reason)?;
+                    write!(f, "; {r}")?;
                 }
                 Ok(())
             }

@@ -55,6 +55,12 @@ pub struct PlannerSettings {
     pub max_tilt: f64,
     /// Assumed mass of a carton, kg: what the suction limit is computed for.
     pub max_carton_mass: f64,
+    /// Most cartons of one pick. They must be alike, side by side in a rectangle, and each held by cups of its own.
+    pub max_group: usize,
+    /// Widest gap between neighbours of a group, m.
+    pub group_gap: f64,
+    /// Most mass that may hang on the gripper, kg: the arm's payload without the gripper.
+    pub max_load: f64,
     /// Safety factor of the suction limit. 2 is usual for porous cardboard; raising it slows loaded moves.
     pub suction_safety: f64,
     /// A cup must lie this far inside the face, m. Raising it guards against wrong sizes and costs sections.
@@ -107,6 +113,9 @@ impl Default for PlannerSettings {
             min_confidence: 0.3,
             max_tilt: 5f64.to_radians(),
             max_carton_mass: 20.0,
+            max_group: 1,
+            group_gap: 0.015,
+            max_load: f64::INFINITY,
             suction_safety: 2.0,
             cup_margin: 0.002,
             layer_share: 0.5,

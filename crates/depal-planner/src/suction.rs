@@ -1,5 +1,5 @@
 use depal_frames::{JointPositions, Pose, Vector};
-use depal_gripper::GripperSpec;
+use depal_gripper::{CupSpec, GripperSpec};
 
 use crate::{request::PlannerSettings, timing::Trapezoid};
 
@@ -10,12 +10,12 @@ const SAMPLES: usize = 24;
 /// Slowest velocity that is ever asked for, percent.
 const SLOWEST_PERCENT: f64 = 5.0;
 
-/// Force with which the sealed cups of some sections are pressed onto the carton at full vacuum, N.
-pub(crate) fn holding_force(gripper: &GripperSpec, sections: &[usize]) -> f64 {
-    let area: f64 = gripper
-        .cups
-        .iter()
-        .filter(|cup| sections.contains(&cup.section))
+/// Force with which some sealed cups are pressed onto their carton at full vacuum, N.
+pub(crate) fn holding_force<'a>(
+    gripper: &GripperSpec,
+    cups: impl Iterator<Item = &'a CupSpec>,
+) -> f64 {
+    let area: f64 = cups
         .map(|cup| std::f64::consts::PI * 0.25 * cup.diameter * cup.diameter)
         .sum();
     area * gripper.vacuum.supply_vacuum

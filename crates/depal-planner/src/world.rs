@@ -60,6 +60,12 @@ struct Solid {
     shape: SharedShape,
 }
 
+impl Solid {
+    fn is_one_of(&self, boxes: &[usize]) -> bool {
+        matches!(self.what, Obstacle::Box(i) if boxes.contains(&i))
+    }
+}
+
 /// Everything the arm must not touch, thickened by one padding.
 pub(crate) struct World {
     solids: Vec<Solid>,
@@ -122,17 +128,12 @@ impl World {
     }
 
     /// What a body at `pose` meets, the first in a fixed order.
-    pub fn meets(
-        &self,
-        pose: &Pose32,
-        shape: &SharedShape,
-        without: Option<usize>,
-    ) -> Option<Obstacle> {
+    pub fn meets(&self, pose: &Pose32, shape: &SharedShape, without: &[usize]) -> Option<Obstacle> {
         let around = shape.compute_aabb(pose);
         self.tree
             .intersect_aabb(&around)
             .map(|i| &self.solids[i as usize])
-            .filter(|s| without.is_none_or(|i| s.what != Obstacle::Box(i)))
+            .filter(|s| !s.is_one_of(without))
             .find(|s| {
                 query::intersection_test(pose, shape.as_ref(), &s.pose, s.shape.as_ref())
                     .is_ok_and(|t| t.intersecting)
@@ -145,14 +146,14 @@ impl World {
         &self,
         pose: &Pose32,
         shape: &SharedShape,
-        without: Option<usize>,
+        without: &[usize],
         cap: f32,
     ) -> (f32, Option<Obstacle>) {
         let around = shape.compute_aabb(pose).loosened(cap);
         let mut nearest = (cap, None);
         for i in self.tree.intersect_aabb(&around) {
             let s = &self.solids[i as usize];
-            if without.is_some_and(|i| s.what == Obstacle::Box(i)) {
+            if s.is_one_of(without) {
                 continue;
             }
             if let Ok(d) = query::distance(pose, shape.as_ref(), &s.pose, s.shape.as_ref())

@@ -92,6 +92,7 @@ fn a_recording_takes_its_name_when_it_is_whole() {
         kind: EventKind::PickFinished {
             pick: 1,
             carton: Some(1),
+            cartons: vec![1],
             reason: Some(FailureReason::Dropped),
             detail: "load 300 N, the sealed cups hold 200 N".into(),
             cycle_s: 5.0,

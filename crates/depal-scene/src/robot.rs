@@ -88,6 +88,10 @@ section! {
         /// Default [180, 130, 180, 450, 400, 600]: top speed within about half a second, and faster at
         /// the wrist; the makers of large arms publish no figures. Higher shortens the cycle and shakes cartons off.
         acceleration_deg_s2: Vec<f64>, ListOf(above(0.0, 100_000.0), 1, 8), default(vec![180.0, 130.0, 180.0, 450.0, 400.0, 600.0]);
+        /// How much faster the arm moves than its description says, which is all that the planner knows:
+        /// speeds by this factor, accelerations by its square, so that the same way takes the time over the factor.
+        /// Default 1: as described.
+        velocity_scale: f64, number(0.05, 10.0), default(1.0);
         /// Simulated time that one statement of the program takes, microseconds.
         /// Default 50: a cabinet runs some ten thousand simple statements in a second.
         statement_cost_us: f64, number(0.0, 1_000_000.0), default(50.0);

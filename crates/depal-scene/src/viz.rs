@@ -85,6 +85,9 @@ section! {
         /// Plan every carton that was found instead of the first one that can be reached.
         /// Default false: the picture is old after one pick.
         plan_all_vision_results: bool, Flag, default(false);
+        /// Most cartons of one pick: like cartons side by side in a rectangle, each on cups of its own.
+        /// Default 1: one at a time.
+        group_max: u32, whole(1, 16), default(1);
         /// Velocity, percent, before the project's own.
         /// Default 100: the project's own alone.
         velocity_percent: f64, VELOCITY, default(FULL);

@@ -62,6 +62,8 @@ pub struct PickRequest {
     pub uses_sections: bool,
     /// Pick and place everything that was recognised, round after round.
     pub plans_all: bool,
+    /// Most objects of one pick.
+    pub max_group: u32,
     /// Velocity of the Vision Move, percent, the global one included.
     pub velocity_percent: f64,
     /// A Set DO step follows: the robot wants the outputs. False if the project has none.
@@ -408,6 +410,7 @@ impl<P> Engine<P> {
                 StepKind::VisionMove {
                     uses_sections,
                     plans_all,
+                    max_group,
                     velocity_percent,
                 } => {
                     let Some(project) = self.recognised_project else {
@@ -418,6 +421,7 @@ impl<P> Engine<P> {
                         project,
                         uses_sections: *uses_sections,
                         plans_all: *plans_all,
+                        max_group: *max_group,
                         velocity_percent: self.scaled(*velocity_percent),
                         wants_outputs: false,
                     };

@@ -10,7 +10,7 @@
 //! use depal_workflow::{Ask, Engine, Place, Project, Step, StepKind};
 //! let project = Project::new(vec![
 //!     Step::new(1, StepKind::VisualRecognition { project: 1, reuses_result: false }),
-//!     Step::new(2, StepKind::VisionMove { uses_sections: true, plans_all: false, velocity_percent: 80.0 }),
+//!     Step::new(2, StepKind::VisionMove { uses_sections: true, plans_all: false, max_group: 1, velocity_percent: 80.0 }),
 //!     Step::new(3, StepKind::PalletPattern { place: Place::Conveyor }),
 //! ]);
 //! let mut engine: Engine<&str> = Engine::new(project, &[1]).unwrap();

@@ -50,6 +50,8 @@ pub enum StepKind {
         uses_sections: bool,
         /// Everything that was recognised is picked and placed, round after round, in one path.
         plans_all: bool,
+        /// Most objects of one pick: like ones side by side.
+        max_group: u32,
         /// Velocity, percent, before the project's global one.
         velocity_percent: f64,
     },

@@ -18,6 +18,7 @@ fn pick(id: i32) -> Step {
         StepKind::VisionMove {
             uses_sections: true,
             plans_all: false,
+            max_group: 1,
             velocity_percent: 80.0,
         },
     )

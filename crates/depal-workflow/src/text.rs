@@ -47,6 +47,7 @@ impl fmt::Display for StepKind {
             Self::VisionMove {
                 uses_sections,
                 plans_all,
+                max_group,
                 velocity_percent,
             } => {
                 f.write_str("vision_move")?;
@@ -55,6 +56,9 @@ impl fmt::Display for StepKind {
                 }
                 if *plans_all {
                     f.write_str(", all results")?;
+                }
+                if *max_group > 1 {
+                    write!(f, ", up to {max_group} at once")?;
                 }
                 write!(f, " at {velocity_percent} %")
             }

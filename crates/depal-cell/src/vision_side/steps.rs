@@ -173,7 +173,7 @@ impl VisionSide {
             points,
             rounds,
             custom_ports,
-            carton,
+            cartons,
         } = match join(spec, &run.start, pieces) {
             Ok(joined) => joined,
             Err(status) => {
@@ -181,14 +181,15 @@ impl VisionSide {
                 return self.refuse(now, owner, status);
             }
         };
-        let picks = points.iter().filter(|p| p.vision_move.is_some()).count();
+        let moves = points.iter().filter_map(|p| p.vision_move.as_ref());
+        let picks: i32 = moves.map(|data| data.picked_now).sum();
         let run = self.end(owner);
         if let Some(picture) = run.and_then(|run| run.picture)
             && picks > 0
         {
-            *self.picked.entry(counter_of(owner, &picture)).or_insert(0) += picks as i32;
+            *self.picked.entry(counter_of(owner, &picture)).or_insert(0) += picks;
             self.last_failure = None;
-            self.target = carton;
+            self.targets = cartons.into();
         }
         let path = PlannedPath {
             points,

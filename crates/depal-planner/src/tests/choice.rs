@@ -2,13 +2,13 @@ use depal_frames::{BoxSize, JointPositions, PlacedShape, Pose, Rotation, Vector}
 use depal_gripper::CupSpec;
 
 use super::{Cell, assert_consistent, assert_free, pallet, seen, visible};
-use crate::{PlannerSettings, RejectReason, grasp::grasps};
+use crate::{PlannerSettings, RejectReason, grasp::grasps, group::Group};
 
 #[test]
 fn sections_follow_the_face() {
     let cell = Cell::new();
     let carton = seen(1.7, 0.0, 1.0, 0.0);
-    let found = grasps(&cell.gripper, &carton, &cell.settings).unwrap();
+    let found = grasps(&cell.gripper, &Group::single(0, &carton), &cell.settings).unwrap();
     // The 300 mm side along the gripper: the middle pair is centred, the outer pairs are 150 mm off.
     let of = |sections: &[usize]| found.iter().find(|g| g.sections == sections);
     assert_eq!(found[0].sections, [1, 2]);
@@ -29,7 +29,7 @@ fn sections_follow_the_face() {
         ..PlannerSettings::default()
     };
     assert!(
-        grasps(&cell.gripper, &narrow, &light)
+        grasps(&cell.gripper, &Group::single(0, &narrow), &light)
             .unwrap()
             .iter()
             .all(|g| g.sections.len() == 1)
@@ -40,7 +40,7 @@ fn sections_follow_the_face() {
         height: 0.1,
     };
     assert_eq!(
-        grasps(&cell.gripper, &narrow, &light),
+        grasps(&cell.gripper, &Group::single(0, &narrow), &light),
         Err(RejectReason::NoSectionFits { face: [0.1, 0.1] })
     );
 
@@ -49,9 +49,9 @@ fn sections_follow_the_face() {
         max_carton_mass: kg,
         ..PlannerSettings::default()
     };
-    assert!(grasps(&cell.gripper, &carton, &heavy(92.0)).is_ok());
+    assert!(grasps(&cell.gripper, &Group::single(0, &carton), &heavy(92.0)).is_ok());
     assert!(matches!(
-        grasps(&cell.gripper, &carton, &heavy(93.0)),
+        grasps(&cell.gripper, &Group::single(0, &carton), &heavy(93.0)),
         Err(RejectReason::TooLittleForce { .. })
     ));
 }

@@ -10,6 +10,7 @@ use crate::{
 };
 
 mod choice;
+mod groups;
 mod obstacles;
 mod pallet;
 
@@ -245,7 +246,11 @@ fn assert_free(cell: &Cell, boxes: &[SeenBox], plan: &PickPlan) {
             robot: &robot,
             world: &world,
             carton: loaded.then_some(if straight_lift { &rubbing } else { &carton }),
-            without: (i >= plan.pick_index).then_some(plan.box_index),
+            without: if i >= plan.pick_index {
+                &plan.box_indices
+            } else {
+                &[]
+            },
             stage: Stage::Certificate,
         };
         assert_eq!(check.touch(&q), None, "waypoint {i} of {last}");

@@ -118,7 +118,7 @@ fn an_obstacle_on_the_path_changes_it() {
             robot: &robot,
             world: &world,
             carton: Some(&carton),
-            without: Some(plan.box_index),
+            without: &plan.box_indices,
             stage: Stage::Certificate,
         };
         assert!(check.touch(&middle).is_some());

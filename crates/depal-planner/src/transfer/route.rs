@@ -353,8 +353,11 @@ fn plan_to(
     }
     let path = BlendedPath::new(&[*start, *goal], &[0.0; 2]);
     let states = path.samples(FINE_STEP);
-    let blocked = (0..states.count())
-        .find_map(|i| scene.contact(&states.at(i), BARE).map(|contact| (i, contact)));
+    let blocked = (0..states.count()).find_map(|i| {
+        scene
+            .contact(&states.at(i), BARE)
+            .map(|contact| (i, contact))
+    });
     let straight = match blocked {
         Some((i, contact)) => format!(
             "on the straight move {} after {} % of the way",

@@ -208,7 +208,8 @@ impl<'a> Scene<'a> {
 
     fn state(&self, joints: &JointPositions) -> State {
         let frames = self.arm.base_from_links(joints);
-        let place = |b: &Body| Oriented::new(&(frames[b.link] * b.solid.frame_from_box), b.solid.half);
+        let place =
+            |b: &Body| Oriented::new(&(frames[b.link] * b.solid.frame_from_box), b.solid.half);
         let boxes = self.bodies.iter().map(place).collect();
         State { frames, boxes }
     }

@@ -28,7 +28,10 @@ fn norm(a: &[f64], b: &[f64]) -> f64 {
 
 fn towards(from: &[f64], to: &[f64], way: f64) -> Joints {
     let share = way / norm(from, to);
-    from.iter().zip(to).map(|(f, t)| f + (t - f) * share).collect()
+    from.iter()
+        .zip(to)
+        .map(|(f, t)| f + (t - f) * share)
+        .collect()
 }
 
 impl Stretch {
@@ -61,9 +64,7 @@ impl Stretch {
             ),
             Some(p) => (
                 (0..n)
-                    .map(|i| {
-                        2.0 * ((1.0 - u) * (p[i] - self.a[i]) + u * (self.b[i] - p[i])) / l
-                    })
+                    .map(|i| 2.0 * ((1.0 - u) * (p[i] - self.a[i]) + u * (self.b[i] - p[i])) / l)
                     .collect(),
                 (0..n)
                     .map(|i| 2.0 * (self.a[i] - 2.0 * p[i] + self.b[i]) / (l * l))
@@ -85,7 +86,10 @@ pub fn stretches(plan: &TransferPlan) -> Vec<Stretch> {
     for i in 1..points.len() {
         let ((from, cut), (to, blend)) = (&points[i - 1], &points[i]);
         let room = norm(from, to);
-        assert!(*blend >= 0.0 && cut + blend <= room, "blends overlap at {i}");
+        assert!(
+            *blend >= 0.0 && cut + blend <= room,
+            "blends overlap at {i}"
+        );
         if room - cut - blend > 1e-9 {
             way.push(Stretch {
                 a: towards(from, to, *cut),

@@ -144,7 +144,8 @@ impl Scene {
                 ),
             });
         }
-        let mut controller = ControllerSpec::new("rob1", Arc::clone(&arm), start);
+        let driven = scaled(&arm, robot.velocity_scale)?;
+        let mut controller = ControllerSpec::new("rob1", driven, start);
         controller.signals = robot.signal.iter().map(signal).collect();
         controller.statement_cost = SimDuration::from_nanos((robot.statement_cost_us * 1e3) as u64);
 
@@ -242,6 +243,18 @@ fn section_signals(gripper: &Gripper) -> SectionSignals {
         Some(names) => SectionSignals::Single(names),
         None => SectionSignals::Groups(vec![gripper.sections_signal.clone()]),
     }
+}
+
+/// The arm as the cabinet drives it: `scale` times as fast on the same ways.
+fn scaled(arm: &Arc<Arm>, scale: f64) -> Result<Arc<Arm>, ArmError> {
+    if (scale - 1.0).abs() < f64::EPSILON {
+        return Ok(Arc::clone(arm));
+    }
+    let limits = || arm.limits().iter();
+    let speeds: Vec<f64> = limits().map(|l| l.max_speed * scale).collect();
+    let accelerations = limits().map(|l| l.max_acceleration * scale * scale);
+    let arm = Arm::clone(arm).with_rates(&speeds, &accelerations.collect::<Vec<f64>>())?;
+    Ok(Arc::new(arm))
 }
 
 fn signal(signal: &Signal) -> SignalSpec {

@@ -27,6 +27,7 @@ pub(super) fn path_steps(project: &VisionProject) -> Project {
             StepKind::VisionMove {
                 uses_sections: true,
                 plans_all: project.plan_all_vision_results,
+                max_group: 1,
                 velocity_percent: project.velocity_percent,
             },
         ),
@@ -82,6 +83,7 @@ fn kind(action: &VizAction) -> StepKind {
         VizAction::VisionMove(step) => StepKind::VisionMove {
             uses_sections: step.sections,
             plans_all: step.plan_all_vision_results,
+            max_group: step.group_max,
             velocity_percent: step.velocity_percent,
         },
         VizAction::PalletPattern(_) => StepKind::PalletPattern {
