@@ -17,7 +17,9 @@ use crate::shared::SharedData;
 use crate::signals::SignalTable;
 use crate::sockets::Sockets;
 use crate::task::TaskRecord;
-use crate::{ControllerError, ControllerEvent, ControllerState, CrossConnection, SignalSpec};
+use crate::{
+    ControllerError, ControllerEvent, ControllerState, CrossConnection, SignalFamily, SignalSpec,
+};
 
 /// What a cabinet is built from.
 #[derive(Debug, Clone)]
@@ -30,6 +32,8 @@ pub struct ControllerSpec {
     pub start: JointPositions,
     /// All signals.
     pub signals: Vec<SignalSpec>,
+    /// Signals that need no definition.
+    pub families: Vec<SignalFamily>,
     /// Simulated time of one statement.
     /// 20 us: about the 44 simple instructions per millisecond measured on a current cabinet, rounded up.
     pub statement_cost: SimDuration,
@@ -51,6 +55,7 @@ impl ControllerSpec {
             arm,
             start,
             signals: Vec::new(),
+            families: Vec::new(),
             statement_cost: SimDuration::from_micros(20),
             queue_depth: 5,
             connections: Vec::new(),
@@ -65,6 +70,7 @@ impl ControllerSpec {
         FreeSpec {
             name: name.to_owned(),
             signals: Vec::new(),
+            families: Vec::new(),
             connections: Vec::new(),
             answers: VecDeque::new(),
             files: BTreeMap::new(),
@@ -79,6 +85,8 @@ pub struct FreeSpec {
     pub name: String,
     /// All signals.
     pub signals: Vec<SignalSpec>,
+    /// Signals that need no definition.
+    pub families: Vec<SignalFamily>,
     /// Signals that follow others.
     pub connections: Vec<CrossConnection>,
     /// What the operator answers, in this order.
@@ -140,6 +148,7 @@ impl Cabinet {
         let parts = FreeSpec {
             name: spec.name,
             signals: spec.signals,
+            families: spec.families,
             connections: spec.connections,
             answers: spec.answers,
             files: spec.files,
@@ -158,6 +167,7 @@ impl Cabinet {
         statement_cost: SimDuration,
     ) -> Result<Self, ControllerError> {
         let mut signals = SignalTable::new(&spec.signals)?;
+        signals.add_families(&spec.families);
         signals.connect(&spec.connections)?;
         signals.follow(SimTime::ZERO);
         Ok(Self {

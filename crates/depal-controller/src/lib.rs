@@ -62,7 +62,7 @@ pub use eio::EioConfiguration;
 pub use error::ControllerError;
 pub use event::{ControllerEvent, ControllerState};
 pub use network::{Network, NoNetwork};
-pub use signals::{CrossConnection, Signal, SignalKind, SignalSpec};
+pub use signals::{CrossConnection, Signal, SignalFamily, SignalKind, SignalSpec};
 pub use sio::SioConfiguration;
 pub use sys::{EventRoutine, SysConfiguration, TaskModule, TaskSpec};
 pub use task::TaskRole;

@@ -81,6 +81,33 @@ impl SignalSpec {
     }
 }
 
+/// Numbered signals that exist without being defined one by one, as in `$OUT[7]`. They start at 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SignalFamily {
+    /// What stands before the number in brackets, `$OUT`.
+    pub name: String,
+    /// What each of them carries.
+    pub kind: SignalKind,
+    /// They are numbered from 1 to this.
+    pub highest: u32,
+}
+
+impl SignalFamily {
+    /// Whether a signal of this name belongs to the family.
+    fn has(&self, name: &str) -> bool {
+        let number = name.strip_suffix(']').and_then(|rest| rest.split_once('['));
+        let Some((family, number)) = number else {
+            return false;
+        };
+        let is_number = !number.starts_with(['0', '+']);
+        family.eq_ignore_ascii_case(&self.name)
+            && is_number
+            && number
+                .parse::<u32>()
+                .is_ok_and(|number| number <= self.highest)
+    }
+}
+
 /// A signal with its value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
@@ -108,6 +135,8 @@ pub struct CrossConnection {
 pub(crate) struct SignalTable {
     signals: BTreeMap<String, Signal>,
     connections: Vec<CrossConnection>,
+    /// Families, each with a signal that stands for those which nobody has set.
+    families: Vec<(SignalFamily, Signal)>,
 }
 
 impl SignalTable {
@@ -135,7 +164,24 @@ impl SignalTable {
         Ok(Self {
             signals,
             connections: Vec::new(),
+            families: Vec::new(),
         })
+    }
+
+    /// Adds numbered signals. One that is defined by itself stays as it is.
+    pub fn add_families(&mut self, families: &[SignalFamily]) {
+        for family in families {
+            let unset = Signal {
+                spec: SignalSpec::new(&family.name, family.kind),
+                value: 0.0,
+                changed_at: SimTime::ZERO,
+            };
+            self.families.push((family.clone(), unset));
+        }
+    }
+
+    fn family(&self, name: &str) -> Option<&(SignalFamily, Signal)> {
+        self.families.iter().find(|(family, _)| family.has(name))
     }
 
     /// Adds connections between signals that are there.
@@ -195,6 +241,7 @@ impl SignalTable {
     pub fn get(&self, name: &str) -> Result<&Signal, Fault> {
         self.signals
             .get(&key(name))
+            .or_else(|| self.family(name).map(|(_, unset)| unset))
             .ok_or_else(|| Fault::UnknownSignal(name.to_owned()))
     }
 
@@ -206,15 +253,12 @@ impl SignalTable {
         value: f64,
         input: bool,
     ) -> Result<Option<&Signal>, Fault> {
-        let signal = self
-            .signals
-            .get_mut(&key(name))
-            .ok_or_else(|| Fault::UnknownSignal(name.to_owned()))?;
+        let kind = self.get(name)?.spec.kind;
         let fault = |message| Fault::SignalValue {
             signal: name.to_owned(),
             message,
         };
-        if signal.spec.kind.is_input() != input {
+        if kind.is_input() != input {
             return Err(fault(
                 if input {
                     "is an output of the robot, the cell cannot set it"
@@ -224,13 +268,30 @@ impl SignalTable {
                 .to_owned(),
             ));
         }
-        signal.spec.kind.check(value).map_err(fault)?;
+        kind.check(value).map_err(fault)?;
+        let signal = self.own(name)?;
         if signal.value == value {
             return Ok(None);
         }
         signal.value = value;
         signal.changed_at = at;
         Ok(Some(signal))
+    }
+
+    /// The signal itself; one of a family becomes a signal of its own.
+    fn own(&mut self, name: &str) -> Result<&mut Signal, Fault> {
+        let key = key(name);
+        if !self.signals.contains_key(&key)
+            && let Some((family, unset)) = self.family(name)
+        {
+            let mut signal = unset.clone();
+            let number = &name[family.name.len()..];
+            signal.spec.name = format!("{}{number}", family.name);
+            self.signals.insert(key.clone(), signal);
+        }
+        self.signals
+            .get_mut(&key)
+            .ok_or_else(|| Fault::UnknownSignal(name.to_owned()))
     }
 }
 

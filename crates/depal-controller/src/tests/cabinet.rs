@@ -32,6 +32,53 @@ fn statement_costs_time_and_a_cycle_ends() {
 }
 
 #[test]
+fn numbered_signals_need_no_definition() {
+    let mut spec = spec();
+    spec.families = vec![
+        SignalFamily {
+            name: "$OUT".to_owned(),
+            kind: SignalKind::DigitalOutput,
+            highest: 8,
+        },
+        SignalFamily {
+            name: "$IN".to_owned(),
+            kind: SignalKind::DigitalInput,
+            highest: 8,
+        },
+    ];
+    let script = Script::new().then(|system| {
+        assert_eq!(system.signal("$OUT[8]"), Ok(0.0));
+        assert_eq!(system.set_signal("$out[8]", 1.0), Ok(()));
+        assert_eq!(system.signal("$OUT[8]"), Ok(1.0));
+        assert!(matches!(
+            system.set_signal("$IN[1]", 1.0),
+            Err(Fault::SignalValue { .. })
+        ));
+        for name in [
+            "$OUT[9]", "$OUT[0]", "$OUT[+1]", "$OUT[01]", "$OUT", "$OUT[]",
+        ] {
+            assert!(
+                matches!(system.signal(name), Err(Fault::UnknownSignal(_))),
+                "{name}"
+            );
+        }
+        Poll::Ready(Ok(()))
+    });
+    let mut controller = Controller::new(spec).expect("a good specification");
+    controller.set_task(Box::new(script));
+    assert_eq!(controller.set_input("$IN[3]", 1.0), Ok(()));
+    controller.tick(SimTime::ZERO, &mut NoNetwork);
+    assert_eq!(*controller.state(), ControllerState::Finished);
+    // Only those that somebody set are listed.
+    let listed: Vec<_> = controller
+        .signals()
+        .map(|signal| signal.spec.name.as_str())
+        .filter(|name| name.starts_with('$'))
+        .collect();
+    assert_eq!(listed, ["$IN[3]", "$OUT[8]"]);
+}
+
+#[test]
 fn signals_know_their_side_and_their_range() {
     let script = Script::new()
         .then(|system| {

@@ -10,7 +10,8 @@ use depal_vm::system::{
 };
 
 use crate::{
-    Controller, ControllerEvent, ControllerSpec, Network, NoNetwork, SignalKind, SignalSpec,
+    Controller, ControllerEvent, ControllerSpec, Network, NoNetwork, SignalFamily, SignalKind,
+    SignalSpec,
 };
 
 mod cabinet;
