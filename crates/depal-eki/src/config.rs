@@ -162,6 +162,8 @@ pub struct ChannelConfig {
     pub connect_timeout_ms: u32,
     /// Connection signals.
     pub alive: Alive,
+    /// Whether errors are shown to the operator (`MESSAGES Display`).
+    pub show_errors: bool,
     /// What is received.
     pub receive: ReceiveFormat,
     /// What is sent.
@@ -212,6 +214,7 @@ impl Default for ChannelConfig {
             buffer_bytes: 16_384,
             connect_timeout_ms: 2000,
             alive: Alive::default(),
+            show_errors: true,
             receive: ReceiveFormat::Nothing,
             send: SendFormat::Nothing,
         }

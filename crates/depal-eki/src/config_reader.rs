@@ -233,8 +233,10 @@ fn internal_section(internal: &Node, config: &mut ChannelConfig, says: &mut Comp
                     says.error(line, &key, "UDP is not supported: only TCP");
                 }
             }
-            // Where messages go is the business of whoever runs the program.
-            "MESSAGES" => says.unknown(child, &key, &[], &["Logging", "Display"]),
+            "MESSAGES" => {
+                config.show_errors = child.attribute("Display") != Some("disabled");
+                says.unknown(child, &key, &[], &["Logging", "Display"]);
+            }
             _ => {}
         }
     }

@@ -58,6 +58,7 @@ fn every_key_is_read() {
                 ],
                 ping_s: Some(200)
             },
+            show_errors: false,
             receive: ReceiveFormat::Raw(RawElement {
                 tag: "Line".into(),
                 size: None,
