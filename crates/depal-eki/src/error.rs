@@ -126,6 +126,16 @@ pub enum EkiError {
         /// `BUFFERING Limit` of the configuration.
         limit: usize,
     },
+    /// 1282: a text or record is longer than the variable for it. It is lost.
+    #[error("element {tag}: {length} characters, the variable has room for {room}")]
+    TooLong {
+        /// Path of the element.
+        tag: String,
+        /// Characters or bytes received.
+        length: usize,
+        /// Size of the variable.
+        room: usize,
+    },
     /// 1281: more bytes arrived than are kept uninterpreted. The connection is closed.
     #[error("more than {limit} bytes received and not interpreted")]
     TooManyBytes {
@@ -155,6 +165,7 @@ impl EkiError {
             Self::Unfinished { .. } => 1026,
             Self::MemoryFull { .. } => 1280,
             Self::TooManyBytes { .. } => 1281,
+            Self::TooLong { .. } => 1282,
         }
     }
 }
