@@ -20,6 +20,7 @@ const ROWS: [&[&str]; 6] = [
     ],
     &[
         "depal-rapid",
+        "depal-krl",
         "depal-plc",
         "depal-controller",
         "depal-world",
@@ -36,7 +37,7 @@ const ROWS: [&[&str]; 6] = [
 const WITHIN_ROW: [(&str, &str); 1] = [("depal-motion", "depal-arm")];
 
 /// What a room must never know, whatever the rows allow.
-const FORBIDDEN: [(&str, &[&str]); 6] = [
+const FORBIDDEN: [(&str, &[&str]); 7] = [
     (
         "depal-vision",
         &["depal-world", "depal-camera", "depal-cell", "depal-gripper"],
@@ -51,6 +52,15 @@ const FORBIDDEN: [(&str, &[&str]); 6] = [
     ),
     (
         "depal-rapid",
+        &[
+            "depal-arm",
+            "depal-motion",
+            "depal-world",
+            "depal-controller",
+        ],
+    ),
+    (
+        "depal-krl",
         &[
             "depal-arm",
             "depal-motion",

@@ -28,6 +28,22 @@ pub enum MachineFault {
         /// Which dimension, from 1.
         dimension: usize,
     },
+    /// A variable was read that was never given a value.
+    #[error("{name} has no value yet")]
+    NotInitialized {
+        /// The variable as the program spells it.
+        name: String,
+    },
+    /// An integer result that the language's integers cannot hold.
+    #[error("the integer result {value} is outside {lowest}..{highest}")]
+    IntegerOverflow {
+        /// As computed.
+        value: i64,
+        /// Least integer of the language.
+        lowest: i64,
+        /// Greatest integer of the language.
+        highest: i64,
+    },
     /// Division by zero, or its remainder.
     #[error("division by zero")]
     DivisionByZero,

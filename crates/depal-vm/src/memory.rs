@@ -2,7 +2,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use depal_time::{SimDuration, SimTime};
 
-use crate::system::SocketId;
+use crate::system::{MoveId, SocketId};
 use crate::{MachineFault, RaisedError, Reference, Root, Value};
 
 /// A built-in that has been called and has not answered yet.
@@ -22,10 +22,29 @@ pub(crate) struct Handling {
 }
 
 /// What orders an interrupt.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub enum Trigger {
     /// Nothing yet: connected to its routine only.
+    #[default]
     None,
+    /// A condition comes true.
+    Condition {
+        /// Index of the routine without parameters that gives its truth value.
+        routine: u32,
+        /// What it was when it was last looked at; `None` before.
+        last: Option<bool>,
+    },
+    /// The arm begins with a move, or ends it.
+    Move {
+        /// The move.
+        id: MoveId,
+        /// Its end instead of its start.
+        ends: bool,
+        /// How long after that.
+        delay: SimDuration,
+        /// When it happened.
+        reached: Option<SimTime>,
+    },
     /// A signal changes.
     Signal {
         /// The signal.
@@ -52,7 +71,7 @@ pub enum Trigger {
 }
 
 /// An interrupt that a program has connected with a routine.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Interrupt {
     /// Its number, from 1.
     pub number: u32,
@@ -64,6 +83,13 @@ pub struct Interrupt {
     pub once: bool,
     /// Put to sleep: what happens meanwhile is lost.
     pub asleep: bool,
+    /// Held back: it is queued.
+    pub held: bool,
+    /// Its routine may begin while that of an interrupt with a greater number here runs.
+    /// `None`: it waits until no other runs.
+    pub priority: Option<u32>,
+    /// Height of the call stack below which it is forgotten; 0 for never.
+    pub level: u32,
 }
 
 /// The interrupts of a task. Their routines run between statements and inside waits, one after the other.
@@ -109,6 +135,13 @@ pub struct Frame {
     pub(crate) interrupt: Option<u32>,
     /// Whether its UNDO clause runs.
     pub(crate) undoing: bool,
+}
+
+impl Frame {
+    /// Number of the interrupt whose routine this is.
+    pub fn serves(&self) -> Option<u32> {
+        self.interrupt
+    }
 }
 
 /// All data of a running program.

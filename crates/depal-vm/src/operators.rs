@@ -11,6 +11,10 @@ pub enum UnaryOp {
     ToDnum,
     /// To a 32-bit number.
     ToNum,
+    /// To an integer: the nearest, a half away from zero.
+    ToInteger,
+    /// All bits of an integer inverted.
+    BitNot,
 }
 
 /// An operator with two operands of the same kind.
@@ -46,6 +50,12 @@ pub enum BinaryOp {
     Or,
     /// Exactly one.
     Xor,
+    /// Bits that both integers have.
+    BitAnd,
+    /// Bits that at least one has.
+    BitOr,
+    /// Bits that exactly one has.
+    BitXor,
 }
 
 pub(crate) fn unary(op: UnaryOp, value: Value) -> Result<Value, MachineFault> {
@@ -62,6 +72,9 @@ pub(crate) fn unary(op: UnaryOp, value: Value) -> Result<Value, MachineFault> {
         (UnaryOp::Not, Value::Bool(v)) => Value::Bool(!v),
         (UnaryOp::ToDnum, v) => Value::Dnum(number(&v)?),
         (UnaryOp::ToNum, v) => Value::Num(number(&v)? as f32),
+        (UnaryOp::ToInteger, Value::Int(v)) => Value::Int(v),
+        (UnaryOp::ToInteger, v) => Value::Int(number(&v)?.round() as i64),
+        (UnaryOp::BitNot, Value::Int(v)) => Value::Int(!v),
         (_, v) => return Err(mismatch(&v)),
     })
 }
@@ -142,6 +155,9 @@ fn integer(op: BinaryOp, a: i64, b: i64) -> Result<Value, MachineFault> {
         BinaryOp::Multiply => Value::Int(a.wrapping_mul(b)),
         BinaryOp::Divide | BinaryOp::IntegerDivide => Value::Int(a.checked_div(b).ok_or(zero)?),
         BinaryOp::Remainder => Value::Int(a.checked_rem(b).ok_or(zero)?),
+        BinaryOp::BitAnd => Value::Int(a & b),
+        BinaryOp::BitOr => Value::Int(a | b),
+        BinaryOp::BitXor => Value::Int(a ^ b),
         BinaryOp::Less => Value::Bool(a < b),
         BinaryOp::LessOrEqual => Value::Bool(a <= b),
         BinaryOp::Greater => Value::Bool(a > b),
@@ -157,6 +173,9 @@ fn number(value: &Value) -> Result<f64, MachineFault> {
 fn mismatch(value: &Value) -> MachineFault {
     match value {
         Value::Absent => MachineFault::NotPresent,
+        Value::Unset => MachineFault::NotInitialized {
+            name: "a variable".into(),
+        },
         other => MachineFault::Argument {
             message: format!("the operator does not take {}", other.kind_name()),
         },

@@ -46,6 +46,11 @@ pub enum Op {
     MakeRecord(u32),
     /// Makes an array of this many values.
     MakeArray(u32),
+    /// Looks at the top: a value that is [unset](Value::is_unset) is a fault that names this variable.
+    CheckSet(Box<str>),
+    /// Leaves all routines above the one that declared the interrupt being served, and goes on there with the
+    /// statement after the one under way. Without an interrupt it is a fault.
+    Resume,
     /// Takes one, puts one.
     Unary(UnaryOp),
     /// Takes two, puts one.
@@ -209,6 +214,8 @@ pub struct LanguageRules {
     pub recursion_limit: usize,
     /// Whether a counting loop without a step counts down when its start is above its end.
     pub for_counts_down: bool,
+    /// Least and greatest integer.
+    pub integers: (i64, i64),
 }
 
 impl Default for LanguageRules {
@@ -224,6 +231,7 @@ impl Default for LanguageRules {
             retry_limit: 4,
             recursion_limit: 200,
             for_counts_down: true,
+            integers: (i64::MIN, i64::MAX),
         }
     }
 }

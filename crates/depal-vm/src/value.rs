@@ -92,6 +92,8 @@ pub enum Value {
     /// An optional argument that was not given; also what a procedure returns.
     #[default]
     Absent,
+    /// A variable that was never given a value, in languages where that is no value.
+    Unset,
     /// A 32-bit number.
     Num(f32),
     /// A 64-bit number.
@@ -123,6 +125,7 @@ impl Value {
     pub fn kind_name(&self) -> &'static str {
         match self {
             Self::Absent => "nothing",
+            Self::Unset => "a variable without a value",
             Self::Num(_) => "a 32-bit number",
             Self::Dnum(_) => "a 64-bit number",
             Self::Int(_) => "an integer",
@@ -145,6 +148,17 @@ impl Value {
             Self::Dnum(v) => Some(*v),
             Self::Int(v) => Some(*v as f64),
             _ => None,
+        }
+    }
+
+    /// Whether there is no value in it: a variable without one, or a record or an array of such.
+    pub fn is_unset(&self) -> bool {
+        match self {
+            Self::Unset => true,
+            Self::Record(parts) | Self::Array(parts) => {
+                !parts.is_empty() && parts.iter().all(Self::is_unset)
+            }
+            _ => false,
         }
     }
 

@@ -106,8 +106,7 @@ fn memories() -> [Memory; 2] {
         number: 0,
         routine: 0,
         trigger: Trigger::None,
-        once: false,
-        asleep: false,
+        ..Interrupt::default()
     });
     [Memory::default(), busy]
 }

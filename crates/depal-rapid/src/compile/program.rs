@@ -85,6 +85,7 @@ fn run<'a>(
                 retry_limit: 4,
                 recursion_limit: 200,
                 for_counts_down: crate::rules::FOR_COUNTS_DOWN,
+                ..LanguageRules::default()
             },
             ..Program::default()
         },

@@ -132,14 +132,25 @@ impl Machine {
                 let items = self.pop_many(*count);
                 self.push(Value::Array(items));
             }
+            Op::CheckSet(name) => {
+                let top = self.memory.frames.last().and_then(|f| f.operands.last());
+                if top.is_none_or(Value::is_unset) {
+                    return Err(MachineFault::NotInitialized {
+                        name: name.to_string(),
+                    });
+                }
+            }
+            Op::Resume => self.resume()?,
             Op::Unary(op) => {
                 let value = unary(*op, self.pop())?;
+                let value = self.in_range(value)?;
                 self.push(value);
             }
             Op::Binary(op) => {
                 let right = self.pop();
                 let left = self.pop();
                 let value = binary(*op, left, right, self.program.rules.string_limit)?;
+                let value = self.in_range(value)?;
                 self.push(value);
             }
             Op::ReadSignal => {
@@ -260,6 +271,21 @@ impl Machine {
             }
         }
         Ok(Flow::Next)
+    }
+
+    /// An integer must be one of the language.
+    fn in_range(&self, value: Value) -> Result<Value, MachineFault> {
+        let (lowest, highest) = self.program.rules.integers;
+        match value {
+            Value::Int(value) if !(lowest..=highest).contains(&value) => {
+                Err(MachineFault::IntegerOverflow {
+                    value,
+                    lowest,
+                    highest,
+                })
+            }
+            value => Ok(value),
+        }
     }
 
     fn begin_for(&mut self, slot: u32, stepped: bool) -> Result<(), MachineFault> {

@@ -39,7 +39,10 @@ impl RobotTask for Machine {
             return step.clone();
         }
         if !self.memory.interrupts.connected.is_empty() {
-            self.watch(system);
+            if let Err(step) = self.watch(system) {
+                self.ended = Some(step.clone());
+                return step;
+            }
             self.begin_interrupt();
         }
         let program = Arc::clone(&self.program);

@@ -210,7 +210,12 @@ impl Translator<'_> {
             BinaryOp::LessOrEqual => compare(Comparison::LessOrEqual),
             BinaryOp::Greater => compare(Comparison::Greater),
             BinaryOp::GreaterOrEqual => compare(Comparison::GreaterOrEqual),
-            BinaryOp::And | BinaryOp::Or | BinaryOp::Xor => return Err(NotPlain),
+            BinaryOp::And
+            | BinaryOp::Or
+            | BinaryOp::Xor
+            | BinaryOp::BitAnd
+            | BinaryOp::BitOr
+            | BinaryOp::BitXor => return Err(NotPlain),
         };
         self.emit(instruction);
         let truth = matches!(instruction, Instruction::Compare { .. });

@@ -1,0 +1,24 @@
+//! What a program may call, and what the lowering calls for it.
+
+mod bas;
+mod bytes;
+mod frames;
+mod geometry;
+mod internal;
+mod interrupts;
+mod io;
+mod maths;
+mod messages;
+mod motion;
+mod path;
+mod state;
+mod strings;
+mod swrite;
+mod table;
+mod timing;
+
+pub(crate) use motion::{MoveForm, PathShape};
+pub(crate) use state::hidden_globals;
+pub(crate) use table::{Table, predefined_data};
+
+pub use table::built_in_names;

@@ -1,0 +1,431 @@
+use depal_vm::{Diagnostic, Reference, Root, Span, Value};
+
+use super::program::Unit;
+use super::scope::*;
+use super::types::*;
+use crate::syntax::tree::*;
+
+/// Most elements of an array, so that no text can exhaust the memory.
+const ELEMENT_LIMIT: usize = 100_000;
+
+/// Most structures and arrays inside each other.
+const DEPTH_LIMIT: usize = 16;
+
+impl Compiler<'_> {
+    /// STRUC and ENUM of all modules: first the names, then what they consist of.
+    pub(super) fn type_declarations(&mut self, units: &[Unit]) {
+        let mut strucs = Vec::new();
+        for (module, unit) in units.iter().enumerate() {
+            for statement in unit_statements(unit) {
+                let StatementKind::Declare(declaration) = &statement.kind else {
+                    continue;
+                };
+                match declaration {
+                    Declaration::Struc {
+                        global,
+                        name,
+                        fields,
+                    } => {
+                        self.types.strucs.push(StrucType {
+                            name: name.text.clone(),
+                            fields: Vec::new(),
+                            complete: false,
+                            size: 0,
+                            depth: 0,
+                        });
+                        let index = self.types.strucs.len() - 1;
+                        self.declare_type(module, unit, *global, name, Type::Struc(index));
+                        strucs.push((module, index, fields));
+                    }
+                    Declaration::Enum {
+                        global,
+                        name,
+                        constants,
+                    } => {
+                        self.types.enums.push(EnumType {
+                            name: name.text.clone(),
+                            constants: constants.iter().map(|c| c.text.clone()).collect(),
+                        });
+                        let index = self.types.enums.len() - 1;
+                        self.declare_type(module, unit, *global, name, Type::Enum(index));
+                    }
+                    _ => {}
+                }
+            }
+        }
+        self.complete_strucs(strucs);
+    }
+
+    /// Structures whose components are complete, until no more are; the rest contain themselves.
+    fn complete_strucs(&mut self, mut open: Vec<(usize, usize, &Vec<(Name, DataItem)>)>) {
+        loop {
+            let before = open.len();
+            let mut later = Vec::new();
+            for (module, index, fields) in open {
+                self.module = module;
+                let waits = fields.iter().any(|(kind, _)| {
+                    let kind = self.lookup_type(&kind.key());
+                    matches!(kind, Some(Type::Struc(other)) if !self.types.strucs[other].complete)
+                });
+                if waits {
+                    later.push((module, index, fields));
+                } else {
+                    self.complete_struc(index, fields);
+                }
+            }
+            open = later;
+            if open.is_empty() {
+                return;
+            }
+            if open.len() == before {
+                break;
+            }
+        }
+        for (_, index, fields) in open {
+            let name = self.types.strucs[index].name.clone();
+            let span = fields.first().map_or(Span::default(), |f| f.0.span);
+            self.error(Diagnostic::error(
+                "KRL0118",
+                span,
+                format!("the structure {name} contains itself, or one that does"),
+            ));
+        }
+    }
+
+    fn complete_struc(&mut self, index: usize, fields: &[(Name, DataItem)]) {
+        let mut complete = Vec::new();
+        let (mut size, mut depth) = (0usize, 0);
+        for (kind, item) in fields {
+            let kind = self.item_type(kind, item);
+            size = size.saturating_add(self.types.size(&kind));
+            depth = depth.max(self.types.depth(&kind));
+            complete.push((item.name.text.clone(), kind));
+        }
+        let struc = &mut self.types.strucs[index];
+        struc.fields = complete;
+        struc.complete = true;
+        struc.size = size;
+        struc.depth = depth + 1;
+    }
+
+    fn declare_type(&mut self, module: usize, unit: &Unit, global: bool, name: &Name, kind: Type) {
+        let global = global || module == 0 || is_configuration(unit);
+        let names = if global {
+            &mut self.type_names
+        } else {
+            &mut self.module_types[module]
+        };
+        let earlier = names.insert(name.key(), (kind, name.span));
+        // A program may declare again what is predefined.
+        let earlier = earlier.map(|(_, span)| span).filter(|s| s.file != u32::MAX);
+        self.declare_once(earlier, &name.text, name.span);
+    }
+
+    /// Data lists of all modules.
+    pub(super) fn data(&mut self, units: &[Unit]) {
+        for (module, unit) in units.iter().enumerate() {
+            self.module = module;
+            self.module_name.clone_from(&unit.name);
+            for (_, file) in &unit.files {
+                for statement in &file.data {
+                    match &statement.kind {
+                        StatementKind::Declare(declaration) => {
+                            self.data_declaration(unit, declaration);
+                        }
+                        StatementKind::Assign { target, value } => {
+                            self.initial_value(target, value);
+                        }
+                        StatementKind::Broken => {}
+                        _ => self.error(Diagnostic::error(
+                            "KRL0119",
+                            statement.span,
+                            "only declarations and initial values stand here",
+                        )),
+                    }
+                }
+            }
+        }
+    }
+
+    fn data_declaration(&mut self, unit: &Unit, declaration: &Declaration) {
+        match declaration {
+            Declaration::Data {
+                global,
+                constant,
+                type_name,
+                items,
+            } => {
+                for item in items {
+                    let kind = self.item_type(type_name, item);
+                    let mut initial = self.types.unset(&kind);
+                    if let Some(value) = &item.value
+                        && let Some(value) = self.constant(value, &kind)
+                    {
+                        initial = value;
+                    }
+                    let slot = self.new_global(&item.name.text, initial);
+                    let symbol = Symbol::Data(DataSymbol {
+                        name: item.name.text.clone(),
+                        slot: Slot::Global(slot),
+                        kind,
+                        constant: *constant,
+                        span: item.name.span,
+                    });
+                    self.declare_in_module(unit, *global, &item.name, symbol);
+                }
+            }
+            Declaration::Signal {
+                global,
+                name,
+                from,
+                to,
+            } => {
+                if let Some(signal) = self.signal_symbol(name, from, to.as_ref()) {
+                    self.declare_in_module(unit, *global, name, Symbol::Signal(signal));
+                }
+            }
+            Declaration::Struc { .. } | Declaration::Enum { .. } | Declaration::External { .. } => {
+            }
+        }
+    }
+
+    fn declare_in_module(&mut self, unit: &Unit, global: bool, name: &Name, symbol: Symbol) {
+        let scope = if self.module == 0 {
+            &mut self.predefined
+        } else if global || is_configuration(unit) {
+            &mut self.global
+        } else {
+            &mut self.module_scopes[self.module]
+        };
+        let earlier = scope.insert(name.key(), symbol).map(|s| s.span());
+        self.declare_once(earlier, &name.text, name.span);
+    }
+
+    /// The type of a declared name with its sizes.
+    pub(super) fn item_type(&mut self, type_name: &Name, item: &DataItem) -> Type {
+        let element = self.resolve_type(type_name);
+        let kind = self.sized(element, item);
+        let (size, depth) = (self.types.size(&kind), self.types.depth(&kind));
+        if size > ELEMENT_LIMIT || depth > DEPTH_LIMIT {
+            self.error(Diagnostic::error(
+                "KRL0114",
+                item.name.span,
+                format!(
+                    "{} has {size} values in {depth} levels, at most {ELEMENT_LIMIT} in {DEPTH_LIMIT} fit",
+                    item.name.text
+                ),
+            ));
+            return Type::Broken;
+        }
+        kind
+    }
+
+    fn sized(&mut self, element: Type, item: &DataItem) -> Type {
+        if item.sizes.is_empty() || element == Type::Broken {
+            return element;
+        }
+        if item.sizes.len() > 3 {
+            self.error(Diagnostic::error(
+                "KRL0114",
+                item.name.span,
+                format!(
+                    "{} has {} dimensions, at most 3 are possible",
+                    item.name.text,
+                    item.sizes.len()
+                ),
+            ));
+            return Type::Broken;
+        }
+        let mut sizes = Vec::new();
+        for size in &item.sizes {
+            let Some(expression) = size else {
+                // Without a size: a parameter, or a string with its initial value.
+                sizes.push(match item.value.as_ref().map(|v| &v.kind) {
+                    Some(ExpressionKind::Text(text)) => text.chars().count(),
+                    _ => 0,
+                });
+                continue;
+            };
+            match self.constant(expression, &Type::Int) {
+                Some(Value::Int(size)) if size >= 1 => sizes.push(size as usize),
+                Some(_) => {
+                    self.error(Diagnostic::error(
+                        "KRL0114",
+                        expression.span,
+                        "the size of an array is an integer from 1",
+                    ));
+                    return Type::Broken;
+                }
+                None => return Type::Broken,
+            }
+        }
+        Type::Array {
+            element: Box::new(element),
+            sizes,
+        }
+    }
+
+    pub(crate) fn resolve_type(&mut self, name: &Name) -> Type {
+        if let Some(kind) = self.lookup_type(&name.key()) {
+            return kind;
+        }
+        let own = self.module_types.get(self.module).into_iter().flatten();
+        let names = own
+            .chain(&self.type_names)
+            .map(|(key, _)| key.to_uppercase());
+        let simple = ["INT", "REAL", "BOOL", "CHAR"].map(str::to_owned);
+        let near = nearest_name(&name.text, names.chain(simple));
+        let mut diagnostic = Diagnostic::error(
+            "KRL0103",
+            name.span,
+            format!("there is no type named {}", name.text),
+        );
+        if let Some(near) = near {
+            diagnostic = diagnostic.help(format!("did you mean {near}?"));
+        }
+        self.error(diagnostic);
+        Type::Broken
+    }
+
+    /// `A[3]=5` in a data list.
+    fn initial_value(&mut self, target: &Expression, value: &Expression) {
+        let Some((reference, kind)) = self.constant_place(target) else {
+            return;
+        };
+        let Some(value) = self.constant(value, &kind) else {
+            return;
+        };
+        let Root::Global(slot) = reference.root else {
+            return;
+        };
+        let mut place = self.program.globals.get_mut(slot as usize);
+        for index in reference.path {
+            place = match place {
+                Some(Value::Record(items) | Value::Array(items)) => items.get_mut(index as usize),
+                _ => None,
+            };
+        }
+        if let Some(place) = place {
+            *place = value;
+        }
+    }
+
+    /// A variable of a data list or a part of it, with constant indexes.
+    fn constant_place(&mut self, target: &Expression) -> Option<(Reference, Type)> {
+        match &target.kind {
+            ExpressionKind::Name(name) => match self.lookup(&name.to_lowercase()).cloned() {
+                Some(Symbol::Data(data)) => {
+                    let Slot::Global(slot) = data.slot else {
+                        return None;
+                    };
+                    let root = Root::Global(slot);
+                    Some((
+                        Reference {
+                            root,
+                            path: Vec::new(),
+                        },
+                        data.kind,
+                    ))
+                }
+                Some(_) => {
+                    self.error(Diagnostic::error(
+                        "KRL0108",
+                        target.span,
+                        format!("{name} is no variable of a data list"),
+                    ));
+                    None
+                }
+                None => {
+                    self.unknown_name(name, target.span);
+                    None
+                }
+            },
+            ExpressionKind::Field(inner, field) => {
+                let (mut reference, kind) = self.constant_place(inner)?;
+                let (index, kind) = self.field(&kind, field);
+                reference.path.push(index);
+                Some((reference, kind))
+            }
+            ExpressionKind::Index(inner, indexes) => {
+                let (mut reference, kind) = self.constant_place(inner)?;
+                let Type::Array { element, sizes } = kind else {
+                    self.error(Diagnostic::error(
+                        "KRL0114",
+                        target.span,
+                        "this is no array",
+                    ));
+                    return None;
+                };
+                let given = indexes.iter().flatten().count();
+                for (index, size) in indexes.iter().flatten().zip(&sizes) {
+                    let value = self.constant(index, &Type::Int)?;
+                    let value = value.as_number().unwrap_or(0.0);
+                    if value < 1.0 || value > *size as f64 {
+                        self.error(Diagnostic::error(
+                            "KRL0114",
+                            index.span,
+                            format!("the index {value} is outside 1..{size}"),
+                        ));
+                        return None;
+                    }
+                    reference.path.push(value as u32 - 1);
+                }
+                let rest = sizes.get(given..).unwrap_or_default().to_vec();
+                let kind = if rest.is_empty() {
+                    *element
+                } else {
+                    Type::Array {
+                        element,
+                        sizes: rest,
+                    }
+                };
+                Some((reference, kind))
+            }
+            _ => {
+                self.error(Diagnostic::error(
+                    "KRL0108",
+                    target.span,
+                    "a variable is needed here, not a value",
+                ));
+                None
+            }
+        }
+    }
+
+    pub(super) fn unknown_name(&mut self, name: &str, span: Span) {
+        if super::system::REFUSED
+            .iter()
+            .any(|r| r.eq_ignore_ascii_case(name))
+        {
+            self.error(Diagnostic::error(
+                "KRL0120",
+                span,
+                format!("the system variable {name} is not simulated"),
+            ));
+            return;
+        }
+        let mut diagnostic = Diagnostic::error("KRL0100", span, format!("{name} is not declared"));
+        let near = self.nearest(name, |s| !matches!(s, Symbol::Routine(_)));
+        diagnostic = match near {
+            Some(near) => diagnostic.help(format!("did you mean {near}?")),
+            None if name.starts_with('$') => {
+                diagnostic.help("this system variable is not known here")
+            }
+            None => diagnostic.help(format!("declare it: DECL INT {name}")),
+        };
+        self.error(diagnostic);
+    }
+}
+
+/// `$config.dat`: all its data are global.
+fn is_configuration(unit: &Unit) -> bool {
+    unit.name.eq_ignore_ascii_case("$config")
+}
+
+/// All statements that may declare a type: data lists, and the top of routines.
+fn unit_statements(unit: &Unit) -> impl Iterator<Item = &Statement> {
+    unit.files.iter().flat_map(|(_, file)| {
+        let bodies = file.routines.iter().flat_map(|r| r.body.iter());
+        file.data.iter().chain(bodies)
+    })
+}

@@ -1,0 +1,181 @@
+use std::collections::{BTreeMap, BTreeSet};
+
+use depal_vm::{Diagnostic, LanguageRules, Op, Program, Routine, SourceFile, Span};
+
+use super::scope::*;
+use super::system::LIVE;
+use super::types::Types;
+use crate::builtins::Table;
+use crate::syntax::tree::File;
+
+/// A module: the routines and the data of one name.
+#[derive(Debug)]
+pub(crate) struct Unit {
+    /// As the files spell it.
+    pub(crate) name: String,
+    /// Files, by their index.
+    pub(crate) files: Vec<(u32, File)>,
+}
+
+/// Signals of the cabinet: names in lower case, or any.
+pub(crate) type Signals = Option<BTreeSet<String>>;
+
+/// What came of it.
+pub(crate) struct Compiled {
+    pub(crate) program: Program,
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    pub(crate) used_signals: BTreeSet<(&'static str, i64)>,
+    pub(crate) computed_signals: BTreeSet<&'static str>,
+}
+
+/// Checks the modules and lowers them. The first holds the predefined data.
+pub(crate) fn compile(
+    files: &[SourceFile],
+    units: &[Unit],
+    signals: Signals,
+    entry: Option<&str>,
+    table: &Table,
+) -> Compiled {
+    let line_starts = files
+        .iter()
+        .map(|file| {
+            let newlines = file.text.bytes().enumerate();
+            std::iter::once(0)
+                .chain(
+                    newlines
+                        .filter(|(_, b)| *b == b'\n')
+                        .map(|(i, _)| i as u32 + 1),
+                )
+                .collect()
+        })
+        .collect();
+    let mut compiler = Compiler {
+        diagnostics: Vec::new(),
+        line_starts,
+        types: Types::default(),
+        type_names: BTreeMap::new(),
+        module_types: vec![BTreeMap::new(); units.len()],
+        predefined: Scope::new(),
+        global: Scope::new(),
+        module_scopes: vec![Scope::new(); units.len()],
+        module: 0,
+        module_name: String::new(),
+        signals,
+        used_signals: BTreeSet::new(),
+        computed_signals: BTreeSet::new(),
+        table,
+        program: Program {
+            builtins: table.builtins(),
+            rules: LanguageRules {
+                raise: crate::errors::raise,
+                recursion_limit: 200,
+                for_counts_down: false,
+                integers: (i64::from(i32::MIN), i64::from(i32::MAX)),
+                ..LanguageRules::default()
+            },
+            ..Program::default()
+        },
+        body: Body::default(),
+    };
+    for (name, value) in crate::builtins::hidden_globals() {
+        compiler.new_global(name, value);
+    }
+    for live in LIVE {
+        let symbol = Symbol::Live(live);
+        compiler.predefined.insert(live.name.to_lowercase(), symbol);
+    }
+    compiler.type_declarations(units);
+    compiler.builtins();
+    compiler.data(units);
+    let routines = compiler.headings(units);
+    for (module, routine, index) in &routines {
+        compiler.module = *module;
+        compiler.module_name.clone_from(&units[*module].name);
+        compiler.routine(routine, *index);
+    }
+    if let Some(entry) = entry {
+        compiler.entry(entry);
+    }
+    Compiled {
+        program: compiler.program,
+        diagnostics: compiler.diagnostics,
+        used_signals: compiler.used_signals,
+        computed_signals: compiler.computed_signals,
+    }
+}
+
+impl Compiler<'_> {
+    fn builtins(&mut self) {
+        let span = Span::new(u32::MAX, 0, 0);
+        for (index, heading) in self.table.headings().iter().enumerate() {
+            let signature = heading.signature(self);
+            let symbol = Symbol::Routine(RoutineSymbol {
+                callee: Callee::Builtin(index as u32),
+                span,
+                signature: std::rc::Rc::new(signature),
+            });
+            let key = heading.name.to_lowercase();
+            self.predefined.insert(key, symbol);
+        }
+    }
+
+    /// The routine that runs: it calls `entry` and waits for the arm at its end.
+    fn entry(&mut self, entry: &str) {
+        self.module = self.module_scopes.len();
+        let key = entry.to_lowercase();
+        let own = self.module_scopes.iter().find_map(|scope| scope.get(&key));
+        match self.global.get(&key).or(own) {
+            Some(Symbol::Routine(RoutineSymbol {
+                callee: Callee::Routine(index),
+                signature,
+                ..
+            })) if signature.result.is_none() && signature.parameters.is_empty() => {
+                let called = &self.program.routines[*index as usize];
+                let wrapper = Routine {
+                    name: called.name.clone(),
+                    module: called.module.clone(),
+                    line: called.line,
+                    code: vec![
+                        Op::Call {
+                            routine: *index,
+                            arguments: 0,
+                        },
+                        Op::CallBuiltin {
+                            builtin: self.table.operator("advance stop"),
+                            arguments: 0,
+                            result: false,
+                        },
+                        Op::Return { value: false },
+                    ],
+                    ..Routine::default()
+                };
+                self.program.entry = self.program.routines.len() as u32;
+                self.program.routines.push(wrapper);
+            }
+            Some(other) => {
+                let span = other.span();
+                self.error(Diagnostic::error(
+                    "KRL0117",
+                    span,
+                    format!("{entry} cannot be started: it must be a DEF without parameters"),
+                ));
+            }
+            None => {
+                let names = self.global.values().filter_map(|symbol| match symbol {
+                    Symbol::Routine(routine) => Some(routine.signature.name.clone()),
+                    _ => None,
+                });
+                let near = nearest_name(entry, names);
+                let mut diagnostic = Diagnostic::error(
+                    "KRL0117",
+                    Span::new(0, 0, 0),
+                    format!("there is no program {entry} to start"),
+                );
+                if let Some(near) = near {
+                    diagnostic = diagnostic.help(format!("did you mean {near}?"));
+                }
+                self.error(diagnostic);
+            }
+        }
+    }
+}

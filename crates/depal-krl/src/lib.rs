@@ -1,0 +1,53 @@
+//! KUKA KRL: lexer, parser, checks, lowering and built-ins.
+//!
+//! [`load`] turns the files of one task into a [`Program`](depal_vm::Program) for the
+//! [`Machine`](depal_vm::Machine); [`check`] does the same without knowing the signals of a cabinet.
+//! The `.src` and the `.dat` of one name are one module. All errors of all files come at once, as
+//! [`Diagnostic`](depal_vm::Diagnostic)s with their places.
+//!
+//! It must never know: the arm, the world, the vision server, files, sockets of the operating system.
+//! Programs reach the cabinet through [`System`](depal_vm::system::System) only.
+//!
+//! ```
+//! use depal_vm::SourceFile;
+//!
+//! let source = SourceFile::new("demo.src", "
+//! DEF demo( )
+//!   DECL INT i
+//!   FOR i = 1 TO 3
+//!     MsgNotify(\"again\")
+//!   ENDFOR
+//! END
+//! ");
+//! let loaded = depal_krl::load(&[source], &[], "demo");
+//! assert!(loaded.diagnostics.is_empty());
+//! assert!(loaded.program.is_some());
+//! ```
+//!
+//! Units: KRL data hold millimetres, degrees and seconds; the built-ins convert to metres, radians and
+//! simulated time where they call the cabinet. A, B, C turn about Z, Y', X''. An axis angle is the joint angle
+//! of the arm's URDF in degrees. REAL is a 32-bit float, INT a 32-bit integer.
+//!
+//! Signals of the cabinet are named as programs write them: `$IN[5]`, `$OUT[5]`, `$ANIN[1]`, `$ANOUT[1]`.
+//!
+//! The program runs up to `$ADVANCE` moves ahead of the arm. Inputs and outputs, waits, HALT, the actual position
+//! and messages wait for the arm first, unless CONTINUE stands before the statement. Errors stop the program.
+//!
+//! Limitations: AND and OR compute both sides; C_PTP takes its share of half the way as a distance; of status and
+//! turn only the sign of A5 and the turns of A4 to A6 choose a solution; external axes, spline blocks, cyclic
+//! flags and analogue loops are refused or told as warnings; `$APO` begins with values of our own.
+//!
+//! Not affiliated with any vendor; KRL is a language of KUKA.
+
+mod builtins;
+mod compile;
+mod errors;
+mod loading;
+mod syntax;
+
+pub use builtins::built_in_names;
+pub use compile::types::SignalKind;
+pub use loading::{
+    Loaded, SignalDefinition, check, check_syntax, check_with_signals, decode, load,
+    load_with_auto_signals, normal_form,
+};
