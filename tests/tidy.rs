@@ -10,6 +10,7 @@ const ROWS: [&[&str]; 6] = [
     &["depal-frames", "depal-time"],
     &[
         "depal-vm",
+        "depal-eki",
         "depal-arm",
         "depal-gripper",
         "depal-camera",
@@ -89,11 +90,12 @@ const FORBIDDEN: [(&str, &[&str]); 7] = [
 ];
 
 /// Large dependencies and the one crate that names each. The planner's collision checks share parry.
-const OWNERS: [(&str, &[&str]); 4] = [
+const OWNERS: [(&str, &[&str]); 5] = [
     ("rapier3d", &["depal-world"]),
     ("k", &["depal-arm"]),
     ("rerun", &["depal-record"]),
     ("parry3d", &["depal-planner"]),
+    ("quick-xml", &["depal-eki"]),
 ];
 
 fn root() -> PathBuf {
