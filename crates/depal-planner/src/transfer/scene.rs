@@ -253,7 +253,7 @@ impl<'a> Scene<'a> {
             let (a, b) = (&self.bodies[first].solid, &self.bodies[second].solid);
             if a.is_box && b.is_box || {
                 let (pose_a, pose_b) = (self.pose(&state, first), self.pose(&state, second));
-                let thick = self.thick_box(a, thickness);
+                let thick = Self::thick_box(a, thickness);
                 let a = thick.as_ref().unwrap_or_else(|| a.thick(thickness));
                 query::intersection_test(&pose_a, a.as_ref(), &pose_b, b.shape.as_ref())
                     .is_ok_and(|m| m.intersecting)
@@ -265,7 +265,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Boxes have no thick shapes of their own; they are made when something round comes near.
-    fn thick_box(&self, solid: &Solid, thickness: usize) -> Option<SharedShape> {
+    fn thick_box(solid: &Solid, thickness: usize) -> Option<SharedShape> {
         let padding = *PADDINGS.get(thickness)?;
         let [x, y, z] = solid.half.map(|h| (h + padding) as f32);
         solid.is_box.then(|| SharedShape::cuboid(x, y, z))
@@ -274,7 +274,7 @@ impl<'a> Scene<'a> {
     fn shapes_meet(&self, state: &State, body: usize, obstacle: usize, thickness: usize) -> bool {
         let pose = self.pose(state, body);
         let other = &self.obstacles.solids[obstacle];
-        let thick = self.thick_box(other, thickness);
+        let thick = Self::thick_box(other, thickness);
         let shape = thick.as_ref().unwrap_or_else(|| other.thick(thickness));
         query::intersection_test(
             &pose,
