@@ -10,7 +10,7 @@ struct Store<'a> {
     locals: &'a mut [Value],
     globals: &'a mut [Value],
     operands: &'a mut Vec<Value>,
-    temporaries: [f32; TEMPORARIES],
+    temporaries: &'a mut [f32; TEMPORARIES],
 }
 
 impl Store<'_> {
@@ -129,9 +129,16 @@ impl Store<'_> {
 
     /// The values that a call takes: its arguments into `locals`, what is to be found again onto the operand stack.
     /// Whether all are of this form; if not, nothing has changed but `locals`.
+    #[inline]
     fn pass(&mut self, call: &CallSite, locals: &mut Vec<Value>) -> Option<()> {
         for (operand, kind) in &call.arguments {
             locals.push(self.value(*operand, *kind)?);
+        }
+        if let [(operand, kind)] = call.spilled.as_slice() {
+            let value = self.value(*operand, *kind)?;
+            self.operands.truncate(call.kept);
+            self.operands.push(value);
+            return Some(());
         }
         for (operand, kind) in &call.spilled {
             self.value(*operand, *kind)?;
@@ -219,12 +226,18 @@ impl Runner<'_> {
     pub(crate) fn run(&mut self, limit: u32) -> (u32, (u32, u32)) {
         let mut left_over = limit;
         let mut last = (0, 0);
-        while self.stretch(&mut left_over, &mut last) {}
+        let mut temporaries = [0.0; TEMPORARIES];
+        while self.stretch(&mut left_over, &mut last, &mut temporaries) {}
         (limit - left_over, last)
     }
 
     /// Runs in the innermost frame. Whether it goes on in what is the innermost frame then.
-    fn stretch(&mut self, statements_left: &mut u32, last: &mut (u32, u32)) -> bool {
+    fn stretch(
+        &mut self,
+        statements_left: &mut u32,
+        last: &mut (u32, u32),
+        temporaries: &mut [f32; TEMPORARIES],
+    ) -> bool {
         let height = self.frames.len();
         let Some(frame) = self.frames.last_mut() else {
             return false;
@@ -238,7 +251,7 @@ impl Runner<'_> {
             locals: &mut frame.locals,
             globals: self.globals,
             operands: &mut frame.operands,
-            temporaries: [0.0; TEMPORARIES],
+            temporaries,
         };
         let code = plain.instructions.as_slice();
         let mut left_over = *statements_left;
@@ -437,7 +450,9 @@ impl Runner<'_> {
                 frame.pc = next;
                 let given = locals.len();
                 let all = &self.routines[routine as usize].locals;
-                locals.extend_from_slice(all.get(given..).unwrap_or_default());
+                if given < all.len() {
+                    locals.extend_from_slice(&all[given..]);
+                }
                 self.frames.push(Frame {
                     routine,
                     locals,
@@ -451,6 +466,7 @@ impl Runner<'_> {
     }
 
     /// Leaves the innermost frame. Whether its caller goes on in this form.
+    #[inline]
     fn leave(&mut self, value: Option<Value>) -> bool {
         let Some(Frame {
             mut locals,
