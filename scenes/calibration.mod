@@ -21,6 +21,9 @@ MODULE MainModule
   PROC main()
     VAR bool bMore:=TRUE;
 
+    ! Poses from outside carry no arm configuration: the nearest one is taken.
+    ConfJ\Off;
+    ConfL\Off;
     SetGO goVacuum,0;
     MM_Init_Socket "127.0.0.1",50000,60;
     MM_Open_Socket;

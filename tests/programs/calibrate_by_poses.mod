@@ -3,6 +3,9 @@ MODULE MainModule
   CONST num nMoveType:=2;
 
   PROC main()
+    ! Poses from outside carry no arm configuration: the nearest one is taken.
+    ConfJ\Off;
+    ConfL\Off;
     MM_Init_Socket "127.0.0.1",50000,60;
     MM_Open_Socket;
     MM_Calib nMoveType,1,0.2;

@@ -5,6 +5,8 @@ MODULE ThroughTheStack
   CONST robtarget pBehind:=[[1700,900,900],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
 
   PROC main()
+    ConfJ\Off;
+    ConfL\Off;
     MoveJ pBefore,v1000,fine,tGripper\WObj:=wobj0;
     MoveL pBehind,v500,fine,tGripper\WObj:=wobj0;
     TPWrite "through";

@@ -33,8 +33,9 @@
 //! Several tasks are several programs; [`Program::shared`](depal_vm::Program::shared) lists the persistents that they
 //! have in common: global ones, neither LOCAL nor TASK.
 //!
-//! Limitations: a call by name takes no optional arguments; BACKWARD is read and never run; of two inverse solutions the nearest is taken
-//! whatever the configuration data of a target say (as with ConfL and ConfJ off); external axes, stationary
+//! Limitations: a call by name takes no optional arguments; BACKWARD is read and never run; the
+//! configuration data of a target must be reached unless ConfJ and ConfL are off, as on the controller, where a line
+//! cannot choose and the quarter turns of joints 1, 4 and 6 count; external axes, stationary
 //! tools and coordinated work objects are refused. `built_in_names` lists what is there.
 //!
 //! Not affiliated with any vendor; RAPID is a language of ABB.

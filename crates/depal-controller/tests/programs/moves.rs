@@ -97,14 +97,14 @@ fn a_time_instead_of_a_speed_and_a_stop_with_a_time() {
     assert!((stood - 1.5).abs() < 0.01, "{stood}");
 }
 
-/// The configuration is of no matter until ConfJ or ConfL \On; then it is chosen, or refused at its own line.
+/// The configuration is chosen or refused at its own line, from the start on, until ConfJ or ConfL \Off.
 #[test]
 fn configuration_is_reached_or_refused() {
     let flip = "p0.robconf.cf4 := p0.robconf.cf4 - 2;\np0.robconf.cf6 := p0.robconf.cf6 - 2;\n";
     // Away from the singularity, with joints 4 and 6 inside their quarters.
     let away = "MoveAbsJ [[10,10,10,20,60,20],[9E9,9E9,9E9,9E9,9E9,9E9]],v1000,fine,tTool;\np0 := CRobT(\\Tool:=tTool);\n";
     let told = run(&format!(
-        "{away}{flip}ConfJ\\On;\nMoveJ p0,v1000,fine,tTool;"
+        "{away}{flip}MoveJ p0,v1000,fine,tTool;"
     ))
     .finished();
     let degrees = told.joints[told.joints.len() - 1].to_degrees();
@@ -120,9 +120,13 @@ fn configuration_is_reached_or_refused() {
     assert!((degrees[3] - 20.0).abs() < 0.1, "{degrees:?}");
     // A line cannot flip the wrist.
     let told = run(&format!(
-        "{away}{flip}ConfL\\On;\nMoveL p0,v1000,fine,tTool;"
+        "{away}{flip}MoveL p0,v1000,fine,tTool;"
     ));
-    assert_eq!(told.failure(), ("ERR_ROBLIMIT".to_owned(), 7));
+    assert_eq!(told.failure(), ("ERR_ROBLIMIT".to_owned(), 6));
+    let told = run(&format!(
+        "{away}{flip}ConfL\\Off;\nConfL\\On;\nMoveL p0,v1000,fine,tTool;"
+    ));
+    assert_eq!(told.failure(), ("ERR_ROBLIMIT".to_owned(), 8));
     run(&format!(
         "{away}{flip}ConfL\\Off;\nMoveL p0,v1000,fine,tTool;"
     ))

@@ -145,8 +145,8 @@ pub(super) fn cartesian(
         }
     };
     let supervised = match kind {
-        MoveKind::Joint => modal(context, "configuration_joint", 0.0),
-        MoveKind::Linear => modal(context, "configuration_linear", 0.0),
+        MoveKind::Joint => modal(context, "configuration_joint", 1.0),
+        MoveKind::Linear => modal(context, "configuration_linear", 1.0),
     };
     let configuration = (supervised != 0.0).then(|| {
         let data = context.required(places.target).map(|t| part(t, 2).clone());

@@ -94,7 +94,7 @@ fn highest_speed(_: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     Ok(Outcome::Done(Value::Num(7000.0)))
 }
 
-/// On, also without a switch: the configuration data of the target must be reached, or the move is an error.
+/// On, also without a switch and before either was called: the configuration data of the target must be reached, or the move is an error.
 /// Off: the solution nearest to where the arm is.
 fn configuration(context: &mut CallContext<'_>, name: &'static str) -> Ran {
     let on = f64::from(u8::from(!context.is_given(1)));

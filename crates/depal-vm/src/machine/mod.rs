@@ -11,7 +11,7 @@ use crate::execution::Step;
 use crate::memory::{Frame, Memory};
 use crate::plain::{PlainCode, translate};
 use crate::system::ProgramLocation;
-use crate::{MachineFault, Program, RaisedError, Reference, Value};
+use crate::{MachineFault, Op, Program, RaisedError, Reference, Value};
 
 /// Runs a [`Program`], one statement a step. Cloning it is a snapshot of the whole task.
 #[derive(Debug, Clone)]
@@ -48,9 +48,13 @@ impl Machine {
             globals: program.globals.clone(),
             ..Memory::default()
         };
-        let code = program.routines.iter().map(|r| translate(&r.code));
+        let gives = |op: &Op| matches!(op, Op::Return { value: true } | Op::MissingReturn);
+        let routines = &program.routines;
+        let yields: Vec<_> = routines.iter().map(|r| r.code.iter().any(gives)).collect();
+        let code = routines.iter().map(|r| translate(&r.code, &yields));
+        let plain = code.collect();
         let mut machine = Self {
-            plain: code.collect(),
+            plain,
             program,
             memory,
             location: ProgramLocation {
@@ -163,17 +167,19 @@ impl Machine {
         let Some(frame) = self.memory.frames.last() else {
             return;
         };
-        let routine = &self.program.routines[frame.routine as usize];
-        if self.located_routine != Some(frame.routine) {
-            self.located_routine = Some(frame.routine);
+        let (routine, line) = (frame.routine, frame.line);
+        self.locate_at(routine, line);
+    }
+
+    /// Brings `location` to a line of a routine; 0 is where it begins.
+    fn locate_at(&mut self, index: u32, line: u32) {
+        let routine = &self.program.routines[index as usize];
+        if self.located_routine != Some(index) {
+            self.located_routine = Some(index);
             self.location.module.clone_from(&routine.module);
             self.location.routine.clone_from(&routine.name);
         }
-        self.location.line = if frame.line == 0 {
-            routine.line
-        } else {
-            frame.line
-        };
+        self.location.line = if line == 0 { routine.line } else { line };
     }
 
     fn frame(&mut self) -> &mut Frame {

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use super::{Flow, Machine};
 use crate::execution::{RobotTask, Step};
+use crate::plain::Runner;
 use crate::system::{ProgramLocation, System};
 use crate::{Op, SharedDatum, Value};
 
@@ -23,11 +24,20 @@ impl Machine {
             0
         };
         let limit = more.saturating_add(1);
-        let begun = plain.run(frame, &mut self.memory.globals, limit);
+        let mut runner = Runner {
+            routines: &self.program.routines,
+            codes: &self.plain,
+            frames: &mut self.memory.frames,
+            globals: &mut self.memory.globals,
+            spare: &mut self.spare,
+            recursion_limit: self.program.rules.recursion_limit,
+            may_return: self.stopping.is_none(),
+        };
+        let (begun, (routine, line)) = runner.run(limit);
         if begun > 1 {
             system.statements_ran(begun - 1);
         }
-        self.locate();
+        self.locate_at(routine, line);
         system.statement(&self.location);
         true
     }

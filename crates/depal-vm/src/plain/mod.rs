@@ -7,10 +7,14 @@
 //! (a parameter given by reference, one that is absent, an index out of range, a division by zero) leaves, too,
 //! before it has changed anything, to the operation where its expression begins. So this form is never the one
 //! that raises an error, and both forms do the same.
+//!
+//! Calls and returns of routines stay in this form: what an expression has computed before a call goes onto the
+//! operand stack of its frame, as in the other form, so that each frame can go on in either.
 
 mod run;
 mod translate;
 
+pub(crate) use run::Runner;
 pub(crate) use translate::translate;
 
 /// Temporaries of an expression; two for each level of the operand stack.
@@ -24,6 +28,17 @@ enum Operand {
     /// A truth value is 1 or 0 here.
     Temporary(u32),
     Constant(f32),
+    /// On the operand stack of the frame, where a call left it.
+    Stacked(u32),
+}
+
+/// What is known of a value without running.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Number,
+    Truth,
+    /// A variable or a result: whoever uses it finds out.
+    Variable,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -144,8 +159,30 @@ enum Instruction {
         body: u32,
         exit: u32,
     },
+    /// Calls a routine; its index in the list of calls.
+    Call(u32),
+    /// Ends a procedure.
+    Return,
+    /// Ends a function.
+    ReturnValue {
+        value: Operand,
+        kind: Kind,
+    },
     /// Goes on in the list of operations, there.
     Leave(u32),
+}
+
+/// A call, in the middle of an expression or not.
+#[derive(Debug, Clone, PartialEq)]
+struct CallSite {
+    routine: u32,
+    /// So many values lie on the operand stack already and stay there.
+    kept: usize,
+    /// These come on top of them, to be found again behind the call.
+    spilled: Vec<(Operand, Kind)>,
+    arguments: Vec<(Operand, Kind)>,
+    /// Where the caller goes on.
+    next: u32,
 }
 
 /// What a frame notes when a statement begins.
@@ -163,11 +200,13 @@ const NONE: u32 = u32::MAX;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct PlainCode {
     instructions: Vec<Instruction>,
-    /// For each instruction the operation at which its expression begins.
-    resume: Vec<u32>,
+    /// For each instruction the operation at which its expression begins, and how many values lie on the operand
+    /// stack there: those that calls in it have left.
+    resume: Vec<(u32, u32)>,
     /// For each operation its instruction, or [`NONE`].
     at: Vec<u32>,
     statements: Vec<StatementMark>,
+    calls: Vec<CallSite>,
 }
 
 impl PlainCode {

@@ -1,12 +1,16 @@
-use super::{Arithmetic, Comparison, Instruction, Logic, Operand, PlainCode, TEMPORARIES};
-use crate::Value;
+use super::{
+    Arithmetic, CallSite, Comparison, Instruction, Kind, Logic, NONE, Operand, PlainCode,
+    TEMPORARIES,
+};
 use crate::memory::Frame;
+use crate::{Routine, Value};
 
 /// The variables that instructions take their operands from.
 struct Store<'a> {
     locals: &'a mut [Value],
     globals: &'a mut [Value],
-    temporaries: [f32; TEMPORARIES],
+    operands: &'a mut Vec<Value>,
+    temporaries: &'a mut [f32; TEMPORARIES],
 }
 
 impl Store<'_> {
@@ -19,6 +23,7 @@ impl Store<'_> {
                 return Some(self.temporaries[index as usize % TEMPORARIES]);
             }
             Operand::Constant(value) => return Some(value),
+            Operand::Stacked(index) => self.operands.get(index as usize)?,
         };
         match value {
             Value::Num(value) => Some(*value),
@@ -35,6 +40,7 @@ impl Store<'_> {
                 return Some(self.temporaries[index as usize % TEMPORARIES] != 0.0);
             }
             Operand::Constant(value) => return Some(value != 0.0),
+            Operand::Stacked(index) => self.operands.get(index as usize)?,
         };
         match value {
             Value::Bool(value) => Some(*value),
@@ -46,7 +52,7 @@ impl Store<'_> {
         match operand {
             Operand::Local(slot) => self.locals.get_mut(slot as usize),
             Operand::Global(slot) => self.globals.get_mut(slot as usize),
-            Operand::Temporary(_) | Operand::Constant(_) => None,
+            Operand::Temporary(_) | Operand::Constant(_) | Operand::Stacked(_) => None,
         }
     }
 
@@ -59,7 +65,7 @@ impl Store<'_> {
                 self.temporaries[index as usize % TEMPORARIES] = number;
                 return Some(());
             }
-            Operand::Constant(_) => return None,
+            Operand::Constant(_) | Operand::Stacked(_) => return None,
         };
         match target {
             Value::Num(value) => {
@@ -107,6 +113,44 @@ impl Store<'_> {
         }
     }
 
+    /// A number or a truth value as a value.
+    #[inline]
+    fn value(&self, operand: Operand, kind: Kind) -> Option<Value> {
+        if kind != Kind::Truth
+            && let Some(number) = self.number(operand)
+        {
+            return Some(Value::Num(number));
+        }
+        if kind == Kind::Number {
+            return None;
+        }
+        self.truth(operand).map(Value::Bool)
+    }
+
+    /// The values that a call takes: its arguments into `locals`, what is to be found again onto the operand stack.
+    /// Whether all are of this form; if not, nothing has changed but `locals`.
+    #[inline]
+    fn pass(&mut self, call: &CallSite, locals: &mut Vec<Value>) -> Option<()> {
+        for (operand, kind) in &call.arguments {
+            locals.push(self.value(*operand, *kind)?);
+        }
+        if let [(operand, kind)] = call.spilled.as_slice() {
+            let value = self.value(*operand, *kind)?;
+            self.operands.truncate(call.kept);
+            self.operands.push(value);
+            return Some(());
+        }
+        for (operand, kind) in &call.spilled {
+            self.value(*operand, *kind)?;
+        }
+        self.operands.truncate(call.kept);
+        for (operand, kind) in &call.spilled {
+            let value = self.value(*operand, *kind)?;
+            self.operands.push(value);
+        }
+        Some(())
+    }
+
     /// Value, end and step of a counting loop.
     #[inline]
     fn counting(&mut self, slot: u32) -> Option<(&mut f32, f32, f32)> {
@@ -151,33 +195,87 @@ fn is_over(value: f32, end: f32, step: f32) -> bool {
     if step > 0.0 { value > end } else { value < end }
 }
 
-impl PlainCode {
-    /// Runs from the statement at which the frame stands: at most `limit` statements, to the first operation
-    /// that has no plain form. How many statements began; the last may have to be ended by the caller.
-    pub(crate) fn run(&self, frame: &mut Frame, globals: &mut [Value], limit: u32) -> u32 {
-        let mut at = self.at[frame.pc as usize] as usize;
+/// Emptied parts of frames that are kept.
+const SPARE_LIMIT: usize = 64;
+
+/// The parts of a machine that plain statements use.
+pub(crate) struct Runner<'a> {
+    pub(crate) routines: &'a [Routine],
+    pub(crate) codes: &'a [PlainCode],
+    pub(crate) frames: &'a mut Vec<Frame>,
+    pub(crate) globals: &'a mut [Value],
+    pub(crate) spare: &'a mut Vec<(Vec<Value>, Vec<Value>)>,
+    pub(crate) recursion_limit: usize,
+    /// Whether a return is nothing but a return.
+    pub(crate) may_return: bool,
+}
+
+/// How the innermost frame was left.
+enum Exit {
+    /// The loop over operations goes on there, with so many values on the operand stack.
+    Leave(u32, u32),
+    /// A routine is called with these locals; the caller goes on there.
+    Call(u32, Vec<Value>, Vec<Value>, u32),
+    Return(Option<Value>),
+}
+
+impl Runner<'_> {
+    /// Runs from the statement at which the innermost frame stands: at most `limit` statements, to the first
+    /// operation that has no plain form. How many statements began, and routine and line of the last;
+    /// the last may have to be ended by the caller.
+    pub(crate) fn run(&mut self, limit: u32) -> (u32, (u32, u32)) {
+        let mut left_over = limit;
+        let mut last = (0, 0);
+        let mut temporaries = [0.0; TEMPORARIES];
+        while self.stretch(&mut left_over, &mut last, &mut temporaries) {}
+        (limit - left_over, last)
+    }
+
+    /// Runs in the innermost frame. Whether it goes on in what is the innermost frame then.
+    fn stretch(
+        &mut self,
+        statements_left: &mut u32,
+        last: &mut (u32, u32),
+        temporaries: &mut [f32; TEMPORARIES],
+    ) -> bool {
+        let height = self.frames.len();
+        let Some(frame) = self.frames.last_mut() else {
+            return false;
+        };
+        let plain = &self.codes[frame.routine as usize];
+        let Some(at) = plain.at.get(frame.pc as usize).filter(|at| **at != NONE) else {
+            return false;
+        };
+        let mut at = *at as usize;
         let mut store = Store {
             locals: &mut frame.locals,
-            globals,
-            temporaries: [0.0; TEMPORARIES],
+            globals: self.globals,
+            operands: &mut frame.operands,
+            temporaries,
         };
-        let code = self.instructions.as_slice();
-        let mut left_over = limit;
+        let code = plain.instructions.as_slice();
+        let mut left_over = *statements_left;
         let mut current = None;
-        // Each arm gives the next instruction, or breaks with the operation to go on with.
+        // Each arm gives the next instruction, or breaks with where to go on.
+        macro_rules! bail {
+            () => {{
+                let (pc, depth) = plain.resume[at];
+                break Exit::Leave(pc, depth);
+            }};
+        }
         macro_rules! need {
             ($option:expr) => {
                 match $option {
                     Some(value) => value,
-                    None => break self.resume[at],
+                    None => bail!(),
                 }
             };
         }
-        let pc = loop {
+        let exit = loop {
             match code[at] {
                 Instruction::Statement(statement) => {
                     if left_over == 0 {
-                        break self.statements[statement as usize].pc;
+                        break Exit::Leave(plain.statements[statement as usize].pc, 0);
                     }
                     left_over -= 1;
                     current = Some(statement);
@@ -196,7 +294,7 @@ impl PlainCode {
                     *value += step;
                     let over = is_over(*value, end, step);
                     if left_over == 0 {
-                        break self.statements[statement as usize].pc;
+                        break Exit::Leave(plain.statements[statement as usize].pc, 0);
                     }
                     left_over -= 1;
                     current = Some(statement);
@@ -305,17 +403,93 @@ impl PlainCode {
                     let (value, _, step) = need!(store.counting(slot));
                     *value += step;
                 }
-                Instruction::Leave(pc) => break pc,
+                Instruction::Call(index) => {
+                    let call = &plain.calls[index as usize];
+                    if height >= self.recursion_limit {
+                        bail!();
+                    }
+                    let (mut locals, operands) = self.spare.pop().unwrap_or_default();
+                    if store.pass(call, &mut locals).is_none() {
+                        locals.clear();
+                        self.spare.push((locals, operands));
+                        bail!();
+                    }
+                    break Exit::Call(call.routine, locals, operands, call.next);
+                }
+                Instruction::Return => {
+                    if height < 2 || !self.may_return {
+                        bail!();
+                    }
+                    break Exit::Return(None);
+                }
+                Instruction::ReturnValue { value, kind } => {
+                    if height < 2 || !self.may_return {
+                        bail!();
+                    }
+                    break Exit::Return(Some(need!(store.value(value, kind))));
+                }
+                Instruction::Leave(_) => bail!(),
             }
             at += 1;
         };
+        *statements_left = left_over;
         if let Some(statement) = current {
-            let mark = self.statements[statement as usize];
+            let mark = plain.statements[statement as usize];
             frame.statement = mark.pc;
             frame.next = mark.next;
             frame.line = mark.line;
+            *last = (frame.routine, mark.line);
         }
-        frame.pc = pc;
-        limit - left_over
+        match exit {
+            Exit::Leave(pc, depth) => {
+                frame.operands.truncate(depth as usize);
+                frame.pc = pc;
+                false
+            }
+            Exit::Call(routine, mut locals, operands, next) => {
+                frame.pc = next;
+                let given = locals.len();
+                let all = &self.routines[routine as usize].locals;
+                if given < all.len() {
+                    locals.extend_from_slice(&all[given..]);
+                }
+                self.frames.push(Frame {
+                    routine,
+                    locals,
+                    operands,
+                    ..Frame::default()
+                });
+                true
+            }
+            Exit::Return(value) => self.leave(value),
+        }
+    }
+
+    /// Leaves the innermost frame. Whether its caller goes on in this form.
+    #[inline]
+    fn leave(&mut self, value: Option<Value>) -> bool {
+        let Some(Frame {
+            mut locals,
+            mut operands,
+            interrupt,
+            is_event,
+            ..
+        }) = self.frames.pop()
+        else {
+            return false;
+        };
+        if self.spare.len() < SPARE_LIMIT {
+            locals.clear();
+            operands.clear();
+            self.spare.push((locals, operands));
+        }
+        let Some(caller) = self.frames.last_mut() else {
+            return false;
+        };
+        caller.operands.extend(value);
+        interrupt.is_none()
+            && !is_event
+            && caller.handling.is_none()
+            && caller.retried_statement.is_none()
     }
 }

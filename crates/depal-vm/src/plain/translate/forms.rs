@@ -1,6 +1,8 @@
-use super::{Entry, Kind, NotPlain, Translator};
+use super::{Entry, NotPlain, Translator};
 use crate::operators::{BinaryOp, UnaryOp};
-use crate::plain::{Arithmetic, Comparison, Instruction, Logic, NONE, Operand, StatementMark};
+use crate::plain::{
+    Arithmetic, CallSite, Comparison, Instruction, Kind, Logic, NONE, Operand, StatementMark,
+};
 use crate::{Op, Value};
 
 impl Translator<'_> {
@@ -25,7 +27,7 @@ impl Translator<'_> {
             Op::LoadGlobal(slot) => self.push(Operand::Global(*slot), Kind::Variable),
             Op::PlaceLocal(slot) => self.stack.push(Entry::Place(Operand::Local(*slot))),
             Op::PlaceGlobal(slot) => self.stack.push(Entry::Place(Operand::Global(*slot))),
-            Op::StoreLocal(slot) => self.store(pc, Operand::Local(*slot))?,
+            Op::StoreLocal(slot) | Op::SetLocal(slot) => self.store(pc, Operand::Local(*slot))?,
             Op::StoreGlobal(slot) => self.store(pc, Operand::Global(*slot))?,
             Op::PlaceIndex(1) => self.place_index()?,
             Op::LoadPlace => match self.stack.pop() {
@@ -70,9 +72,53 @@ impl Translator<'_> {
                 self.needs_empty_stack()?;
                 return Ok(self.for_step(pc, *slot));
             }
+            Op::Call { routine, arguments } => self.call(pc, *routine, *arguments as usize)?,
+            Op::Return { value: false } => {
+                self.needs_empty_stack()?;
+                self.emit(Instruction::Return);
+            }
+            Op::Return { value: true } => {
+                let (value, kind) = self.pop_value()?;
+                self.needs_empty_stack()?;
+                self.emit(Instruction::ReturnValue { value, kind });
+            }
             _ => return Err(NotPlain),
         }
         Ok(1)
+    }
+
+    /// What lies on the stack goes onto that of the frame, the topmost values as arguments.
+    fn call(&mut self, pc: usize, routine: u32, arguments: usize) -> Result<(), NotPlain> {
+        let below = self.stack.len().checked_sub(arguments).ok_or(NotPlain)?;
+        // A jump over the call would come from where its truth value is not on the operand stack.
+        if self.short_cut {
+            return Err(NotPlain);
+        }
+        let value = |entry: &Entry| match entry {
+            Entry::Value(operand, kind) => Ok((*operand, *kind)),
+            _ => Err(NotPlain),
+        };
+        let values: Result<Vec<_>, _> = self.stack.iter().map(value).collect();
+        let mut values = values?;
+        let arguments = values.split_off(below);
+        let is_kept = |(i, (operand, _)): &(usize, &(Operand, Kind))| {
+            *operand == Operand::Stacked(*i as u32)
+        };
+        let kept = values.iter().enumerate().take_while(is_kept).count();
+        let index = self.plain.calls.len() as u32;
+        self.plain.calls.push(CallSite {
+            routine,
+            kept,
+            spilled: values.split_off(kept),
+            arguments,
+            next: pc as u32 + 1,
+        });
+        self.emit(Instruction::Call(index));
+        let left = below + usize::from(self.yields[routine as usize]);
+        let stacked = |i| Entry::Value(Operand::Stacked(i as u32), Kind::Variable);
+        self.stack = (0..left).map(stacked).collect();
+        self.called = true;
+        Ok(())
     }
 
     /// A step, with the jump to the loop's beginning if that is as the lowering makes it.
@@ -268,6 +314,7 @@ impl Translator<'_> {
         };
         self.emit_jump(jump, target);
         self.push(value, Kind::Truth);
+        self.short_cut = true;
         Ok(())
     }
 }

@@ -1,16 +1,7 @@
 mod forms;
 
-use super::{Instruction, NONE, Operand, PlainCode, TEMPORARIES};
+use super::{Instruction, Kind, NONE, Operand, PlainCode, TEMPORARIES};
 use crate::Op;
-
-/// What is known of a value without running.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Number,
-    Truth,
-    /// A variable: whoever uses it finds out.
-    Variable,
-}
 
 /// What stands on the operand stack, as a place to take it from.
 #[derive(Debug, Clone, Copy)]
@@ -23,21 +14,38 @@ enum Entry {
 /// An operation that has no plain form.
 struct NotPlain;
 
+/// Where the expression under way begins: there it can be evaluated again.
+#[derive(Debug, Clone, Copy, Default)]
+struct Begin {
+    /// Its operation.
+    pc: u32,
+    /// How many values lie on the operand stack.
+    depth: u32,
+    /// How many instructions and fixups there were.
+    instructions: usize,
+    fixups: usize,
+}
+
 struct Translator<'a> {
     code: &'a [Op],
+    /// For each routine whether it gives a value.
+    yields: &'a [bool],
     is_target: Vec<bool>,
     plain: PlainCode,
     /// Instruction with a target, and that target as an operation.
     fixups: Vec<(usize, u32)>,
     stack: Vec<Entry>,
-    /// Where the operand stack was empty last: operation, instructions, fixups.
-    begin: (u32, usize, usize),
+    begin: Begin,
+    /// A call was made: what comes before it is not done again.
+    called: bool,
+    /// Jumps with a truth value lead into the expression under way.
+    short_cut: bool,
     /// Waiting for the next statement after an operation that has no plain form.
     skipping: bool,
 }
 
-/// The plain form of a routine's code.
-pub(crate) fn translate(code: &[Op]) -> PlainCode {
+/// The plain form of a routine's code. `yields`: for each routine whether it gives a value.
+pub(crate) fn translate(code: &[Op], yields: &[bool]) -> PlainCode {
     let mut is_target = vec![false; code.len() + 1];
     for op in code {
         if let Some(target) = target(op)
@@ -48,6 +56,7 @@ pub(crate) fn translate(code: &[Op]) -> PlainCode {
     }
     let mut translator = Translator {
         code,
+        yields,
         is_target,
         plain: PlainCode {
             at: vec![NONE; code.len()],
@@ -55,8 +64,10 @@ pub(crate) fn translate(code: &[Op]) -> PlainCode {
         },
         fixups: Vec::new(),
         stack: Vec::new(),
-        begin: (0, 0, 0),
-        skipping: true,
+        begin: Begin::default(),
+        called: false,
+        short_cut: false,
+        skipping: false,
     };
     translator.run();
     translator.plain
@@ -91,7 +102,7 @@ impl Translator<'_> {
             self.plain.at[pc] = self.plain.instructions.len() as u32;
             if let Ok(length) = self.operation(pc, op) {
                 pc += length;
-                if self.stack.is_empty() {
+                if self.stack.is_empty() || self.called {
                     self.mark_begin(pc as u32);
                 }
             } else {
@@ -107,7 +118,10 @@ impl Translator<'_> {
             let to = if let Some(to) = known.filter(|to| *to != NONE) {
                 to
             } else {
-                self.begin.0 = target;
+                self.begin = Begin {
+                    pc: target,
+                    ..Begin::default()
+                };
                 self.emit(Instruction::Leave(target));
                 self.plain.instructions.len() as u32 - 1
             };
@@ -116,15 +130,22 @@ impl Translator<'_> {
     }
 
     fn mark_begin(&mut self, pc: u32) {
-        self.begin = (pc, self.plain.instructions.len(), self.fixups.len());
+        self.begin = Begin {
+            pc,
+            depth: self.stack.len() as u32,
+            instructions: self.plain.instructions.len(),
+            fixups: self.fixups.len(),
+        };
+        self.called = false;
+        self.short_cut = false;
     }
 
     /// Takes back the expression under way; the loop over operations evaluates it.
     fn give_up(&mut self, pc: usize) {
-        let (begin, instructions, fixups) = self.begin;
-        self.plain.instructions.truncate(instructions);
-        self.plain.resume.truncate(instructions);
-        self.fixups.truncate(fixups);
+        let begin = self.begin.pc;
+        self.plain.instructions.truncate(self.begin.instructions);
+        self.plain.resume.truncate(self.begin.instructions);
+        self.fixups.truncate(self.begin.fixups);
         let last = (pc + 1).min(self.code.len());
         for at in &mut self.plain.at[(begin as usize + 1).min(last)..last] {
             *at = NONE;
@@ -136,7 +157,7 @@ impl Translator<'_> {
 
     fn emit(&mut self, instruction: Instruction) {
         self.plain.instructions.push(instruction);
-        self.plain.resume.push(self.begin.0);
+        self.plain.resume.push((self.begin.pc, self.begin.depth));
     }
 
     fn emit_jump(&mut self, instruction: Instruction, target: u32) {

@@ -14,6 +14,10 @@ pub(super) enum Number {
     Element(Box<Number>),
     Negate(Box<Number>),
     Binary(BinaryOp, Box<Number>, Box<Number>),
+    /// What a function gives for a number, which counts in global 0.
+    Call(Box<Number>),
+    /// What a function that calls itself gives.
+    Recursion(Box<Number>),
     /// The number of characters is of no form that the plain one knows: text equal to text, as 0 or 1.
     FromText,
 }
@@ -45,6 +49,8 @@ pub(super) enum Statement {
     For(Number, i8, Vec<Statement>),
     Text,
     Call(Number),
+    /// A procedure with a number and a truth value, which it may write to global 4.
+    Procedure(Number, Truth),
 }
 
 pub(super) fn number() -> impl Strategy<Value = Number> {
@@ -67,6 +73,8 @@ pub(super) fn number() -> impl Strategy<Value = Number> {
             inner.clone().prop_map(|n| Number::Element(Box::new(n))),
             (1..6i8).prop_map(|i| Number::Element(Box::new(Number::Constant(i)))),
             inner.clone().prop_map(|n| Number::Negate(Box::new(n))),
+            inner.clone().prop_map(|n| Number::Call(Box::new(n))),
+            inner.clone().prop_map(|n| Number::Recursion(Box::new(n))),
             (op, inner.clone(), inner).prop_map(|(op, a, b)| Number::Binary(
                 op,
                 Box::new(a),
@@ -112,6 +120,7 @@ pub(super) fn statements() -> impl Strategy<Value = Vec<Statement>> {
         any::<bool>().prop_map(Statement::Copy),
         Just(Statement::Text),
         number().prop_map(Statement::Call),
+        (number(), truth()).prop_map(|(n, t)| Statement::Procedure(n, t)),
     ];
     let statement = leaf.prop_recursive(3, 24, 4, |inner| {
         let block = || prop::collection::vec(inner.clone(), 0..4);

@@ -59,6 +59,14 @@ impl Lowering {
                 self.number(right);
                 self.emit(Op::Binary(*op));
             }
+            Number::Call(inner) | Number::Recursion(inner) => {
+                self.number(inner);
+                let routine = if matches!(number, Number::Call(_)) { 1 } else { 2 };
+                self.emit(Op::Call {
+                    routine,
+                    arguments: 1,
+                });
+            }
             Number::FromText => {
                 self.same_text();
                 let no = self.emit(Op::JumpIfFalse(0));
@@ -174,6 +182,14 @@ impl Lowering {
                     arguments: 1,
                 });
                 self.emit(Op::StoreGlobal(0));
+            }
+            Statement::Procedure(value, truth) => {
+                self.number(value);
+                self.truth(truth);
+                self.emit(Op::Call {
+                    routine: 3,
+                    arguments: 2,
+                });
             }
         }
     }

@@ -115,20 +115,9 @@ fn program(statements: &[Statement]) -> Program {
         }),
         ..Routine::default()
     };
-    let half = Routine {
-        name: "half".into(),
-        locals: vec![Value::Absent],
-        code: vec![
-            Op::Statement { line: 1, next: 5 },
-            Op::LoadLocal(0),
-            Op::Push(Value::Num(0.5)),
-            Op::Binary(BinaryOp::Multiply),
-            Op::Return { value: true },
-        ],
-        ..Routine::default()
-    };
+    let [half, halves, note] = callees();
     Program {
-        routines: vec![main, half],
+        routines: vec![main, half, halves, note],
         globals: vec![
             Value::Num(3.0),
             Value::Num(-1.5),
@@ -138,6 +127,82 @@ fn program(statements: &[Statement]) -> Program {
         ],
         ..Program::default()
     }
+}
+
+/// Half of a number, after counting in global 0; the number of halvings to below 1, by calling itself; a procedure
+/// that fails for what is no number it can divide by.
+fn callees() -> [Routine; 3] {
+    let half = Routine {
+        name: "half".into(),
+        locals: vec![Value::Absent],
+        code: vec![
+            Op::Statement { line: 1, next: 5 },
+            Op::LoadGlobal(0),
+            Op::Push(Value::Num(1.0)),
+            Op::Binary(BinaryOp::Add),
+            Op::StoreGlobal(0),
+            Op::Statement { line: 2, next: 10 },
+            Op::LoadLocal(0),
+            Op::Push(Value::Num(0.5)),
+            Op::Binary(BinaryOp::Multiply),
+            Op::Return { value: true },
+            Op::MissingReturn,
+        ],
+        ..Routine::default()
+    };
+    let halves = Routine {
+        name: "halves".into(),
+        locals: vec![Value::Absent, Value::Num(7.0), Value::Bool(false)],
+        code: vec![
+            // A value of its own, before the first statement.
+            Op::Push(Value::Num(1.0)),
+            Op::SetLocal(1),
+            Op::Statement { line: 1, next: 8 },
+            Op::LoadLocal(0),
+            Op::Push(Value::Num(1.0)),
+            Op::Binary(BinaryOp::Less),
+            Op::JumpIfFalse(10),
+            Op::Statement { line: 2, next: 10 },
+            Op::Push(Value::Num(0.0)),
+            Op::Return { value: true },
+            Op::Statement { line: 3, next: 20 },
+            Op::LoadLocal(1),
+            Op::LoadLocal(0),
+            Op::Call {
+                routine: 1,
+                arguments: 1,
+            },
+            Op::Call {
+                routine: 2,
+                arguments: 1,
+            },
+            Op::Binary(BinaryOp::Add),
+            Op::LoadGlobal(1),
+            Op::Push(Value::Num(0.0)),
+            Op::Binary(BinaryOp::Multiply),
+            Op::Binary(BinaryOp::Add),
+            Op::Return { value: true },
+            Op::MissingReturn,
+        ],
+        ..Routine::default()
+    };
+    let note = Routine {
+        name: "note".into(),
+        locals: vec![Value::Absent, Value::Absent, Value::Num(0.0)],
+        code: vec![
+            Op::Statement { line: 1, next: 5 },
+            Op::Push(Value::Num(1.0)),
+            Op::LoadLocal(0),
+            Op::Binary(BinaryOp::Divide),
+            Op::StoreLocal(2),
+            Op::Statement { line: 2, next: 8 },
+            Op::LoadLocal(1),
+            Op::StoreGlobal(4),
+            Op::Return { value: false },
+        ],
+        ..Routine::default()
+    };
+    [half, halves, note]
 }
 
 /// Values as bits, so that no number is a number too equal.
