@@ -8,6 +8,7 @@ use crate::{
     numeric,
     opw::Solver,
     palletizer::Palletizer,
+    shapes::MeshSource,
     urdf::{self, Accelerations, Loaded},
 };
 
@@ -85,7 +86,40 @@ impl Arm {
             text,
             source_name,
             &Accelerations::PerJoint(max_accelerations),
+            None,
         )
+    }
+
+    /// The same with collision meshes: `meshes` gives the bytes of a file by its name in the description
+    /// (`package://...`, a relative path), or says why it does not.
+    ///
+    /// STL (binary and text), Wavefront OBJ and COLLADA files are read, by their ending; each becomes its convex hull.
+    /// A mesh that cannot be had leaves a warning in [`Arm::warnings`], as does every visual mesh.
+    ///
+    /// # Errors
+    /// See [`ArmError`].
+    pub fn from_urdf_with_meshes(
+        text: &str,
+        source_name: &str,
+        max_accelerations: &[f64],
+        meshes: &MeshSource,
+    ) -> Result<Self, ArmError> {
+        let accelerations = Accelerations::PerJoint(max_accelerations);
+        Self::load(text, source_name, &accelerations, Some(meshes))
+    }
+
+    /// [`Arm::from_urdf_with_meshes`] with the same acceleration limit for every joint, rad/s2.
+    ///
+    /// # Errors
+    /// See [`ArmError`].
+    pub fn from_urdf_uniform_with_meshes(
+        text: &str,
+        source_name: &str,
+        max_acceleration: f64,
+        meshes: &MeshSource,
+    ) -> Result<Self, ArmError> {
+        let accelerations = Accelerations::Uniform(max_acceleration);
+        Self::load(text, source_name, &accelerations, Some(meshes))
     }
 
     /// Reads a URDF and gives every joint the same acceleration limit, rad/s2: for questions of geometry,
@@ -98,15 +132,17 @@ impl Arm {
         source_name: &str,
         max_acceleration: f64,
     ) -> Result<Self, ArmError> {
-        Self::load(text, source_name, &Accelerations::Uniform(max_acceleration))
+        let accelerations = Accelerations::Uniform(max_acceleration);
+        Self::load(text, source_name, &accelerations, None)
     }
 
     fn load(
         text: &str,
         source_name: &str,
         accelerations: &Accelerations,
+        meshes: Option<&MeshSource>,
     ) -> Result<Self, ArmError> {
-        let loaded = urdf::load(text, source_name, accelerations)?;
+        let loaded = urdf::load(text, source_name, accelerations, meshes)?;
         let mut warnings = loaded.warnings.clone();
         let (chain, names) = (&loaded.chain, &loaded.joint_names);
         let inverse = if let Some(palletizer) = Palletizer::recognise(chain, names) {
