@@ -102,8 +102,8 @@ mod tests {
 
     #[test]
     fn packages_are_found_above_and_nothing_leads_out() {
-        let top = tempfile::tempdir().expect("a folder");
-        let maker = top.path().join("maker_support");
+        let top = std::env::temp_dir().join(format!("depal-meshes-{}", std::process::id()));
+        let maker = top.join("maker_support");
         let write = |name: &str| {
             let path = maker.join(name);
             std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
@@ -112,7 +112,7 @@ mod tests {
         for name in ["urdf/arm.urdf", "meshes/foot.stl", "urdf/near.obj"] {
             write(name);
         }
-        std::fs::write(top.path().join("secret.stl"), "x").expect("written");
+        std::fs::write(top.join("secret.stl"), "x").expect("written");
         let meshes = Meshes::beside(&maker.join("urdf/arm.urdf"));
         for (name, file) in [
             ("package://maker_support/meshes/foot.stl", "meshes/foot.stl"),
@@ -133,5 +133,6 @@ mod tests {
             let error = meshes.bytes(name).expect_err(name);
             assert!(error.contains(said), "{error}");
         }
+        std::fs::remove_dir_all(&top).expect("removed");
     }
 }
