@@ -8,6 +8,7 @@ use crate::{
     numeric,
     opw::Solver,
     palletizer::Palletizer,
+    shapes::MeshSource,
     urdf::{self, Accelerations, Loaded},
 };
 
@@ -46,6 +47,8 @@ pub struct Arm {
     links: Vec<Link>,
     chain: Chain,
     inverse: Inverse,
+    /// To the frame in which the closed form is.
+    model_from_base: Pose,
     tip: String,
     warnings: Vec<ArmWarning>,
 }
@@ -85,7 +88,40 @@ impl Arm {
             text,
             source_name,
             &Accelerations::PerJoint(max_accelerations),
+            None,
         )
+    }
+
+    /// The same with collision meshes: `meshes` gives the bytes of a file by its name in the description
+    /// (`package://...`, a relative path), or says why it does not.
+    ///
+    /// STL (binary and text), Wavefront OBJ and COLLADA files are read, by their ending; each becomes its convex hull.
+    /// A mesh that cannot be had leaves a warning in [`Arm::warnings`], as does every visual mesh.
+    ///
+    /// # Errors
+    /// See [`ArmError`].
+    pub fn from_urdf_with_meshes(
+        text: &str,
+        source_name: &str,
+        max_accelerations: &[f64],
+        meshes: &MeshSource,
+    ) -> Result<Self, ArmError> {
+        let accelerations = Accelerations::PerJoint(max_accelerations);
+        Self::load(text, source_name, &accelerations, Some(meshes))
+    }
+
+    /// [`Arm::from_urdf_with_meshes`] with the same acceleration limit for every joint, rad/s2.
+    ///
+    /// # Errors
+    /// See [`ArmError`].
+    pub fn from_urdf_uniform_with_meshes(
+        text: &str,
+        source_name: &str,
+        max_acceleration: f64,
+        meshes: &MeshSource,
+    ) -> Result<Self, ArmError> {
+        let accelerations = Accelerations::Uniform(max_acceleration);
+        Self::load(text, source_name, &accelerations, Some(meshes))
     }
 
     /// Reads a URDF and gives every joint the same acceleration limit, rad/s2: for questions of geometry,
@@ -98,17 +134,21 @@ impl Arm {
         source_name: &str,
         max_acceleration: f64,
     ) -> Result<Self, ArmError> {
-        Self::load(text, source_name, &Accelerations::Uniform(max_acceleration))
+        let accelerations = Accelerations::Uniform(max_acceleration);
+        Self::load(text, source_name, &accelerations, None)
     }
 
     fn load(
         text: &str,
         source_name: &str,
         accelerations: &Accelerations,
+        meshes: Option<&MeshSource>,
     ) -> Result<Self, ArmError> {
-        let loaded = urdf::load(text, source_name, accelerations)?;
+        let loaded = urdf::load(text, source_name, accelerations, meshes)?;
         let mut warnings = loaded.warnings.clone();
-        let (chain, names) = (&loaded.chain, &loaded.joint_names);
+        let names = &loaded.joint_names;
+        let model_from_base = loaded.chain.model_from_base(names.len());
+        let chain = &loaded.chain.seen_from(&model_from_base);
         let inverse = if let Some(palletizer) = Palletizer::recognise(chain, names) {
             Inverse::Palletizer(palletizer)
         } else {
@@ -120,7 +160,7 @@ impl Arm {
                 }
             }
         };
-        check_forward(&loaded, &inverse, source_name)?;
+        check_forward(&loaded, &inverse, &model_from_base, source_name)?;
         Ok(Self {
             name: loaded.robot.name,
             joint_names: loaded.joint_names,
@@ -128,6 +168,7 @@ impl Arm {
             links: loaded.links,
             chain: loaded.chain,
             inverse,
+            model_from_base,
             tip: loaded.tip,
             warnings,
         })
@@ -307,14 +348,15 @@ impl Arm {
         if !finite {
             return Vec::new();
         }
+        let model_from_flange = self.model_from_base * base_from_flange;
         match &self.inverse {
             Inverse::Wrist(solver) => solver
-                .branches(base_from_flange, near)
+                .branches(&model_from_flange, near)
                 .iter()
                 .map(|b| JointPositions::from_slice(b))
                 .collect(),
             Inverse::Palletizer(palletizer) => palletizer
-                .branches(base_from_flange, near)
+                .branches(&model_from_flange, near)
                 .iter()
                 .map(|b| JointPositions::from_slice(b))
                 .collect(),
@@ -353,7 +395,12 @@ fn compare(a: &JointPositions, b: &JointPositions) -> std::cmp::Ordering {
 }
 
 /// The flat chain against the closed-form model and against an independent reading of the same file.
-fn check_forward(loaded: &Loaded, inverse: &Inverse, file: &str) -> Result<(), ArmError> {
+fn check_forward(
+    loaded: &Loaded,
+    inverse: &Inverse,
+    model_from_base: &Pose,
+    file: &str,
+) -> Result<(), ArmError> {
     let oracle = k::Chain::<f64>::from(&loaded.robot);
     for state in 0..CHECKED_STATES {
         // A fixed low-discrepancy walk through the joint box (multiples of irrational numbers, modulo 1).
@@ -365,7 +412,9 @@ fn check_forward(loaded: &Loaded, inverse: &Inverse, file: &str) -> Result<(), A
         }
         let ours = loaded.chain.base_from_tip(&joints);
         let closed_form = match inverse {
-            Inverse::Wrist(solver) => Some(solver.base_from_flange(&joints)),
+            Inverse::Wrist(solver) => {
+                Some(model_from_base.inverse() * solver.base_from_flange(&joints))
+            }
             Inverse::Palletizer(_) | Inverse::Numeric => None,
         };
         let chain = oracle_pose(&oracle, loaded, &joints);

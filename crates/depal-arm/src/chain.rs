@@ -1,5 +1,8 @@
 use depal_frames::{JointPositions, Pose, Rotation, Vector};
-use nalgebra::Unit;
+use nalgebra::{Rotation3, Unit};
+
+/// Directions and points may be this far from where a closed form has them.
+const SQUARE: f64 = 1e-6;
 
 /// How a link moves against its parent.
 #[derive(Debug, Clone)]
@@ -67,6 +70,41 @@ impl Chain {
             });
         }
         poses
+    }
+
+    /// The same arm in another frame at its foot.
+    pub fn seen_from(&self, other_from_base: &Pose) -> Self {
+        let mut chain = self.clone();
+        for node in &mut chain.nodes {
+            if node.parent == Some(0) {
+                node.origin = other_from_base * node.origin;
+            }
+        }
+        chain
+    }
+
+    /// The frame in which closed forms know an arm: Z along axis 1, Y along axis 2, origin where axis 1 is nearest to that
+    /// of the base. The base's own frame when the axes lie so already, or are not square to each other.
+    pub fn model_from_base(&self, joint_count: usize) -> Pose {
+        let axes = self.axes_at_zero(joint_count);
+        let [first, second, ..] = axes.as_slice() else {
+            return Pose::identity();
+        };
+        let lies = |axis: &Vector, along: &Vector| axis.cross(along).norm() < SQUARE;
+        if first.direction.dot(&second.direction).abs() > SQUARE
+            || lies(&first.direction, &Vector::z())
+                && lies(&second.direction, &Vector::y())
+                && first.point.xy().norm() < SQUARE
+        {
+            return Pose::identity();
+        }
+        let towards = |axis: Vector, along: Vector| axis * axis.dot(&along).signum();
+        let z = towards(first.direction, Vector::z());
+        let y = towards(second.direction, Vector::y());
+        let y = (y - z * y.dot(&z)).normalize();
+        let turn = Rotation3::from_basis_unchecked(&[y.cross(&z), y, z]);
+        let foot = first.point - z * first.point.dot(&z);
+        Pose::from_parts(foot.into(), Rotation::from_rotation_matrix(&turn)).inverse()
     }
 
     /// The turning axes on the way to the tip in the base frame at zero joints, base first.

@@ -191,7 +191,7 @@ pub enum ArmError {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArmWarning {
-    /// Mesh files are not read.
+    /// Mesh files are not read: no source of them was given, or the mesh is only to look at.
     #[error(
         "link '{link}' <{element}>: mesh '{mesh}' is not read; the link has no such body there"
     )]
@@ -202,6 +202,18 @@ pub enum ArmWarning {
         element: &'static str,
         /// The file it names.
         mesh: String,
+    },
+    /// A mesh file could not be used.
+    #[error("link '{link}' <{element}>: mesh '{mesh}': {reason}; the link has no such body there")]
+    MeshUnread {
+        /// The link.
+        link: String,
+        /// `visual` or `collision`.
+        element: &'static str,
+        /// The file it names.
+        mesh: String,
+        /// Not found, or not readable.
+        reason: String,
     },
     /// A movable joint beside the chain to the flange.
     #[error("joint '{joint}' is not on the way to the flange: it stays at zero")]

@@ -29,7 +29,9 @@
 //! for any other chain of up to eight joints a damped descent from fixed beginnings, which may miss solutions.
 //!
 //! Limitations: revolute and continuous joints only (continuous ones may turn once either way); movable joints beside the chain
-//! stay at zero; meshes are not read. [`Arm::warnings`] tells what was left out.
+//! stay at zero. Visual meshes are not read; collision meshes become convex hulls where a source of their bytes is given
+//! ([`Arm::from_urdf_with_meshes`]): STL, OBJ and COLLADA without controllers (skins) and without `<lines>`-only geometry;
+//! no GLTF, PLY or compressed files. [`Arm::warnings`] tells what was left out.
 //! A palletizer's window between joints 2 and 3 (its rods) is not checked: URDF cannot say it.
 //! On loading, the flat chain is compared with a second, independent chain (`k`) and with the closed-form solver;
 //! a description on which they disagree by more than 1e-9 m is refused.
@@ -40,6 +42,8 @@
 mod arm;
 mod chain;
 mod error;
+mod hull;
+mod mesh;
 mod numeric;
 mod opw;
 mod palletizer;
@@ -48,6 +52,7 @@ mod urdf;
 
 pub use arm::{Arm, JointLimit, Link};
 pub use error::{ArmError, ArmWarning};
+pub use shapes::MeshSource;
 
 #[cfg(test)]
 mod tests;

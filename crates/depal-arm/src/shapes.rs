@@ -2,13 +2,18 @@ use depal_frames::{PlacedShape, Pose, Rotation, Shape, Vector};
 use nalgebra::Translation3;
 use urdf_rs::{Geometry, Robot};
 
-use crate::{ArmError, ArmWarning, Link};
+use crate::{ArmError, ArmWarning, Link, hull, mesh};
 
 /// Colour of a visual without material.
 const GREY: [u8; 3] = [180, 180, 180];
 
+/// Gives the bytes of a mesh file by the name in the description, or says why not.
+pub type MeshSource<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
+
 pub(crate) struct Reader<'a> {
     pub file: &'a str,
+    /// None: meshes are left out.
+    pub meshes: Option<&'a MeshSource<'a>>,
 }
 
 /// Smallest share of the largest moment of inertia by which a tensor may miss being possible.
@@ -54,9 +59,9 @@ impl Reader<'_> {
         link: &str,
         kind: &'static str,
         geometry: &Geometry,
-    ) -> Result<Result<Shape, ArmWarning>, ArmError> {
+    ) -> Result<Result<(Pose, Shape), ArmWarning>, ArmError> {
         let element = format!("link '{link}' <{kind}>");
-        Ok(Ok(match geometry {
+        let shape = match geometry {
             Geometry::Box { size } => {
                 self.positive(&format!("{element} <box> size"), &size.0)?;
                 Shape::Cuboid {
@@ -81,14 +86,57 @@ impl Reader<'_> {
                 self.positive(&format!("{element} <sphere>"), &[*radius])?;
                 Shape::Sphere { radius: *radius }
             }
-            Geometry::Mesh { filename, .. } => {
-                return Ok(Err(ArmWarning::MeshSkipped {
-                    link: link.to_owned(),
-                    element: kind,
-                    mesh: filename.clone(),
-                }));
+            Geometry::Mesh { filename, scale } => {
+                let scale = scale.map_or([1.0; 3], |s| s.0);
+                self.finite(&format!("{element} <mesh> scale"), &scale)?;
+                if scale.contains(&0.0) {
+                    return Err(ArmError::NotPositive {
+                        file: self.file.to_owned(),
+                        element: format!("{element} <mesh> scale"),
+                        value: 0.0,
+                    });
+                }
+                return Ok(self.hull(link, kind, filename, scale));
             }
-        }))
+        };
+        Ok(Ok((Pose::identity(), shape)))
+    }
+
+    /// The convex hull of a collision mesh.
+    fn hull(
+        &self,
+        link: &str,
+        element: &'static str,
+        mesh: &str,
+        scale: [f64; 3],
+    ) -> Result<(Pose, Shape), ArmWarning> {
+        let meshes = match self.meshes {
+            Some(meshes) if element == "collision" => meshes,
+            _ => {
+                return Err(ArmWarning::MeshSkipped {
+                    link: link.to_owned(),
+                    element,
+                    mesh: mesh.to_owned(),
+                });
+            }
+        };
+        let points = meshes(mesh).and_then(|bytes| mesh::points(mesh, &bytes));
+        match points {
+            Ok(mut points) => {
+                for point in &mut points {
+                    for (value, scale) in point.iter_mut().zip(scale) {
+                        *value *= scale;
+                    }
+                }
+                Ok(hull::around(&points))
+            }
+            Err(reason) => Err(ArmWarning::MeshUnread {
+                link: link.to_owned(),
+                element,
+                mesh: mesh.to_owned(),
+                reason,
+            }),
+        }
     }
 
     /// Where a mass sits must be finite, and a tensor that is given must belong to a body.
@@ -137,7 +185,10 @@ impl Reader<'_> {
         for c in &link.collision {
             let pose = self.pose(&format!("link '{name}' <collision>"), &c.origin)?;
             match self.shape(name, "collision", &c.geometry)? {
-                Ok(shape) => collision.push(PlacedShape { pose, shape }),
+                Ok((inside, shape)) => collision.push(PlacedShape {
+                    pose: pose * inside,
+                    shape,
+                }),
                 Err(warning) => warnings.push(warning),
             }
         }
@@ -145,8 +196,11 @@ impl Reader<'_> {
         for v in &link.visual {
             let pose = self.pose(&format!("link '{name}' <visual>"), &v.origin)?;
             match self.shape(name, "visual", &v.geometry)? {
-                Ok(shape) => visual.push((
-                    PlacedShape { pose, shape },
+                Ok((inside, shape)) => visual.push((
+                    PlacedShape {
+                        pose: pose * inside,
+                        shape,
+                    },
                     colour(robot, v.material.as_ref()),
                 )),
                 Err(warning) => warnings.push(warning),

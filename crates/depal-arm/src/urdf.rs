@@ -10,7 +10,7 @@ use urdf_rs::{Joint, JointType, Robot};
 use crate::{
     ArmError, ArmWarning, JointLimit, Link,
     chain::{Chain, Motion, Node},
-    shapes::Reader,
+    shapes::{MeshSource, Reader},
 };
 
 /// Everything read from the file, checked.
@@ -36,12 +36,13 @@ pub(crate) fn load(
     text: &str,
     file: &str,
     accelerations: &Accelerations,
+    meshes: Option<&MeshSource>,
 ) -> Result<Loaded, ArmError> {
     let robot = urdf_rs::read_from_string(text).map_err(|e| ArmError::Unreadable {
         file: file.to_owned(),
         reason: e.to_string(),
     })?;
-    let reader = Reader { file };
+    let reader = Reader { file, meshes };
     check_names(&robot, file)?;
     let order = link_order(&robot, file)?;
     let index_of: BTreeMap<&str, usize> = order
@@ -313,7 +314,7 @@ fn driver(robot: &Robot, joint: usize, file: &str) -> Result<Option<Driver>, Arm
             return Ok(Some(driver));
         };
         let (multiplier, offset) = (mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0));
-        let reader = Reader { file };
+        let reader = Reader { file, meshes: None };
         reader.finite(
             &format!("joint '{}' <mimic>", at.name),
             &[multiplier, offset],

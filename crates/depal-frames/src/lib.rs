@@ -28,7 +28,7 @@ pub use depth_frame::{DepthFrame, Intrinsics};
 pub use euler::EulerConvention;
 pub use joints::{JointPositions, MAX_JOINTS};
 pub use nalgebra;
-pub use shape::{PlacedShape, Shape};
+pub use shape::{ConvexHull, PlacedShape, Shape};
 pub use units::{Deg, Mm};
 
 /// A rigid transform, metres. `a_from_b * point_in_b = point_in_a`.

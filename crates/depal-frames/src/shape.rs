@@ -1,6 +1,43 @@
-use crate::{Pose, Vector};
+use std::sync::Arc;
 
-/// A solid primitive in its own frame, metres. Physics, camera and planner all build from these.
+use crate::{Point, Pose, Vector};
+
+/// A convex solid: corners and the triangles between them. Shared by whatever shows, simulates or avoids it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConvexHull {
+    vertices: Vec<Point>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl ConvexHull {
+    /// From corners, metres, and triangles that list them counter-clockwise as seen from outside.
+    ///
+    /// # Panics
+    /// If a triangle names a corner that is not there.
+    pub fn new(vertices: Vec<Point>, triangles: Vec<[u32; 3]>) -> Self {
+        let known = triangles.iter().flatten().all(|&i| (i as usize) < vertices.len());
+        assert!(known, "triangles of {} corners name others", vertices.len());
+        Self { vertices, triangles }
+    }
+
+    /// Corners, metres.
+    pub fn vertices(&self) -> &[Point] {
+        &self.vertices
+    }
+
+    /// Corners of each triangle by index, counter-clockwise as seen from outside.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Largest extent from the origin along each axis, m.
+    pub fn half_extents(&self) -> Vector {
+        let far = |i: usize| self.vertices.iter().map(|p| p[i].abs()).fold(0.0, f64::max);
+        Vector::new(far(0), far(1), far(2))
+    }
+}
+
+/// A solid in its own frame, metres. Physics, camera and planner all build from these.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// Box centred on the origin.
@@ -27,6 +64,8 @@ pub enum Shape {
         /// Radius.
         radius: f64,
     },
+    /// Convex hull of corners, for instance of a mesh file.
+    Hull(Arc<ConvexHull>),
 }
 
 impl Shape {
@@ -35,6 +74,11 @@ impl Shape {
         Self::Cuboid {
             half_extents: Vector::new(x, y, z) * 0.5,
         }
+    }
+
+    /// A convex hull.
+    pub fn hull(hull: ConvexHull) -> Self {
+        Self::Hull(Arc::new(hull))
     }
 
     /// Distance from the shape's origin to its farthest point.
@@ -50,6 +94,11 @@ impl Shape {
                 radius,
             } => half_length.hypot(*radius),
             Self::Sphere { radius } => *radius,
+            Self::Hull(hull) => hull
+                .vertices()
+                .iter()
+                .map(|p| p.coords.norm())
+                .fold(0.0, f64::max),
         }
     }
 }

@@ -43,6 +43,18 @@ pub(crate) fn solid(placed: &PlacedShape, padding: f64) -> (Pose32, SharedShape)
             SharedShape::cylinder(*half_length as f32 + pad, *radius as f32 + pad),
         ),
         Shape::Sphere { radius } => (turned(upright), SharedShape::ball(*radius as f32 + pad)),
+        Shape::Hull(hull) => {
+            let corners: Vec<_> = hull.vertices().iter().map(convert::point_to_glam).collect();
+            let solid = if pad > 0.0 {
+                SharedShape::round_convex_hull(&corners, pad)
+            } else {
+                SharedShape::convex_hull(&corners)
+            };
+            let half = hull.half_extents();
+            let [x, y, z] = [0, 1, 2].map(|i| half[i] as f32 + pad);
+            let boxed = || SharedShape::cuboid(x, y, z);
+            (turned(upright), solid.unwrap_or_else(boxed))
+        }
     }
 }
 

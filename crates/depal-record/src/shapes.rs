@@ -2,7 +2,7 @@
 
 use depal_frames::{PlacedShape, Pose, Rotation, Shape};
 use rerun::{
-    Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, FillMode, Quaternion, RecordingStream,
+    Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, FillMode, Mesh3D, Quaternion, RecordingStream,
     RecordingStreamResult, Transform3D,
 };
 
@@ -39,16 +39,17 @@ pub(crate) fn log_static_shapes(
     let mut capsules = (vec![], vec![], vec![], vec![], vec![]);
     let mut cylinders = (vec![], vec![], vec![], vec![], vec![]);
     let mut spheres = (vec![], vec![], vec![]);
+    let mut hulls = (vec![], vec![], vec![]);
     for (placed, rgb) in shapes {
         let rotation = quaternion(&placed.pose.rotation);
-        match placed.shape {
-            Shape::Cuboid { half_extents: h } => {
+        match &placed.shape {
+            &Shape::Cuboid { half_extents: h } => {
                 boxes.0.push([h.x as f32, h.y as f32, h.z as f32]);
                 boxes.1.push(position(&placed.pose));
                 boxes.2.push(rotation);
                 boxes.3.push(color(*rgb));
             }
-            Shape::Capsule {
+            &Shape::Capsule {
                 half_length,
                 radius,
             } => {
@@ -60,7 +61,7 @@ pub(crate) fn log_static_shapes(
                 capsules.3.push(rotation);
                 capsules.4.push(color(*rgb));
             }
-            Shape::Cylinder {
+            &Shape::Cylinder {
                 half_length,
                 radius,
             } => {
@@ -70,7 +71,17 @@ pub(crate) fn log_static_shapes(
                 cylinders.3.push(rotation);
                 cylinders.4.push(color(*rgb));
             }
-            Shape::Sphere { radius } => {
+            Shape::Hull(hull) => {
+                let first = hulls.0.len() as u32;
+                for corner in hull.vertices() {
+                    let at = placed.pose * corner;
+                    hulls.0.push([at.x as f32, at.y as f32, at.z as f32]);
+                    hulls.2.push(color(*rgb));
+                }
+                let shifted = |t: &[u32; 3]| t.map(|i| i + first);
+                hulls.1.extend(hull.triangles().iter().map(shifted));
+            }
+            &Shape::Sphere { radius } => {
                 spheres.0.push(position(&placed.pose));
                 spheres.1.push([radius as f32; 3]);
                 spheres.2.push(color(*rgb));
@@ -104,6 +115,14 @@ pub(crate) fn log_static_shapes(
                 .with_quaternions(cylinders.3)
                 .with_colors(cylinders.4)
                 .with_fill_mode(FillMode::Solid),
+        )?;
+    }
+    if !hulls.0.is_empty() {
+        stream.log_static(
+            format!("{entity}/hulls"),
+            &Mesh3D::new(hulls.0)
+                .with_triangle_indices(hulls.1)
+                .with_vertex_colors(hulls.2),
         )?;
     }
     if !spheres.0.is_empty() {

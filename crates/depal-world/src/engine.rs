@@ -1,4 +1,4 @@
-use depal_frames::convert::{to_glam, vector_from_glam};
+use depal_frames::convert::{point_to_glam, to_glam, vector_from_glam};
 use depal_frames::{PlacedShape, Shape};
 use rapier3d::dynamics::SpringCoefficients;
 use rapier3d::prelude::*;
@@ -80,6 +80,16 @@ pub(crate) fn collider(placed: &PlacedShape, owner: Owner, friction: f64) -> Col
             pose * upright,
         ),
         Shape::Sphere { radius } => (ColliderBuilder::ball(*radius as f32), pose),
+        Shape::Hull(hull) => {
+            let corners: Vec<_> = hull.vertices().iter().map(point_to_glam).collect();
+            let half = hull.half_extents();
+            let boxed =
+                || ColliderBuilder::cuboid(half.x as f32, half.y as f32, half.z as f32);
+            (
+                ColliderBuilder::convex_hull(&corners).unwrap_or_else(boxed),
+                pose,
+            )
+        }
     };
     builder
         .position(pose)

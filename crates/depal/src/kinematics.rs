@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use depal_arm::Arm;
+use depal_arm::{Arm, ArmWarning};
 use depal_frames::{JointPositions, Pose};
 use depal_time::RandomStreams;
 use serde_json::{Map, Value, json};
@@ -16,7 +16,10 @@ pub fn kinematics(path: &Path, samples: usize, seed: u64, as_json: bool) -> Resu
     let arm = Arm::from_urdf_uniform(&text, &path.to_string_lossy(), 1.0)
         .map_err(|error| Failure::Input(error.to_string()))?;
     for warning in arm.warnings() {
-        tell!("warning: {}: {warning}", path.display());
+        // Meshes do not move a link.
+        if !matches!(warning, ArmWarning::MeshSkipped { .. }) {
+            tell!("warning: {}: {warning}", path.display());
+        }
     }
     let mut random = RandomStreams::new(seed).stream("kinematics");
     let mut listed = Vec::new();

@@ -1,4 +1,5 @@
 mod faults;
+mod meshes;
 mod own_arms;
 
 use std::fmt::Write;
@@ -113,6 +114,7 @@ fn three_computations_of_the_flange_agree() {
         IRB6700,
         FILE,
         &urdf::Accelerations::PerJoint(&ACCELERATIONS),
+        None,
     )
     .unwrap();
     let solver = Solver::recognise(&loaded.chain, &loaded.joint_names).unwrap();

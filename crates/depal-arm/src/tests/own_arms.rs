@@ -115,7 +115,7 @@ fn forward_agrees_with_the_chain_library_and_inverse_with_forward() {
     for text in [KR210, KR16, R2000IC, IRB460, IRB660, KR120PA] {
         let arm = load(text);
         assert_eq!(arm.warnings(), [], "{}", arm.name());
-        let loaded = urdf::load(text, "own.urdf", &urdf::Accelerations::Uniform(2.0)).unwrap();
+        let loaded = urdf::load(text, "own.urdf", &urdf::Accelerations::Uniform(2.0), None).unwrap();
         let oracle = k::Chain::<f64>::from(&loaded.robot);
         let mut random = RandomStreams::new(5).stream("own arms");
         for _ in 0..1000 {
@@ -175,6 +175,44 @@ fn palletizers_reach_as_far_as_their_links_add_up() {
         let at = arm.base_from_flange(&JointPositions::from_degrees(&stretched));
         let reach = at.translation.vector.xy().norm();
         assert!((reach - expected).abs() < 0.03, "{} {reach}", arm.name());
+    }
+}
+
+/// On a pedestal, on a wall, under a ceiling, turned: the closed form is found there, too.
+#[test]
+fn mounted_any_way_the_closed_form_is_still_found() {
+    for text in [KR210, R2000IC, IRB660, KR120PA] {
+        for mount in [
+            r#"<origin xyz="0.4 -0.7 0.5"/>"#,
+            r#"<origin xyz="0 0 3" rpy="3.141592653589793 0 0"/>"#,
+            r#"<origin xyz="0 0 0" rpy="0 0 1.5707963267948966"/>"#,
+            r#"<origin xyz="0.1 0.2 1.3" rpy="1.2 -0.4 2.2"/>"#,
+        ] {
+            let mounted = text.replacen(
+                r#"<link name="base_link">"#,
+                &format!(
+                    r#"<link name="world"/><joint name="mount" type="fixed"><parent link="world"/><child link="base_link"/>{mount}</joint><link name="base_link">"#
+                ),
+                1,
+            );
+            let arm = load(&mounted);
+            assert_eq!(arm.warnings(), [], "{} {mount}", arm.name());
+            let mut random = RandomStreams::new(8).stream("mounted");
+            for _ in 0..200 {
+                let joints = random_joints(&arm, &mut random);
+                let pose = arm.base_from_flange(&joints);
+                let found = arm.inverse(&pose);
+                assert!(
+                    found.iter().any(|s| s.max_distance(&joints) < 1e-5),
+                    "{} {mount}: {joints:?} not among {found:?}",
+                    arm.name()
+                );
+                for solution in &found {
+                    let (metres, radians) = distance(&pose, &arm.base_from_flange(solution));
+                    assert!(arm.within_limits(solution) && metres < 1e-6 && radians < 1e-6);
+                }
+            }
+        }
     }
 }
 

@@ -146,6 +146,7 @@ fn upright_half_height(shape: &Shape) -> f64 {
             radius,
         } => half_length + radius,
         Shape::Sphere { radius } => *radius,
+        Shape::Hull(hull) => hull.half_extents().z,
     }
 }
 
@@ -302,6 +303,7 @@ fn corners(body: &PlacedShape) -> [Point; 8] {
     let half = match &body.shape {
         Shape::Cuboid { half_extents } => *half_extents,
         Shape::Sphere { radius } => Vector::repeat(*radius),
+        Shape::Hull(hull) => hull.half_extents(),
         Shape::Cylinder {
             half_length,
             radius,

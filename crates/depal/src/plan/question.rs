@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use depal_arm::Arm;
+use depal_arm::{Arm, ArmWarning};
 use depal_frames::{PlacedShape, Pose, Rotation, Vector, nalgebra::Quaternion};
 use depal_planner::TransferScene;
 use serde_json::Value;
 
+use super::meshes::Meshes;
 use crate::failure::Failure;
 
 /// Acceleration limits that are left out: full speed in this time, s.
@@ -247,10 +248,14 @@ fn robot_at(path: &Path, robot: &At) -> Result<Arm, Failure> {
     let name = urdf.to_string_lossy();
     let text = std::fs::read_to_string(&urdf)
         .map_err(|error| robot.fault(&format!("cannot read {name}: {error}")))?;
-    let arm = Arm::from_urdf_uniform(&text, &name, 1.0)
+    let meshes = Meshes::beside(&urdf);
+    let arm = Arm::from_urdf_uniform_with_meshes(&text, &name, 1.0, &|mesh| meshes.bytes(mesh))
         .map_err(|error| Failure::Input(error.to_string()))?;
     for warning in arm.warnings() {
-        tell!("warning: {name}: {warning}");
+        // What is only to look at does not matter here.
+        if !matches!(warning, ArmWarning::MeshSkipped { .. }) {
+            tell!("warning: {name}: {warning}");
+        }
     }
     Ok(arm)
 }
