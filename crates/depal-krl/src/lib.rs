@@ -40,6 +40,7 @@
 //! Not affiliated with any vendor; KRL is a language of KUKA.
 
 mod builtins;
+mod channels;
 mod compile;
 mod errors;
 mod loading;

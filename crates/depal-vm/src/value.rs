@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use depal_time::{SimDuration, SimTime};
 
+use crate::HostState;
 use crate::system::SocketId;
 
 /// Most bytes that a [`RawBytes`] holds.
@@ -116,6 +117,8 @@ pub enum Value {
     Clock(ClockState),
     /// A signal of the cabinet, by name.
     Signal(Arc<str>),
+    /// What built-ins remember; no program can name it.
+    Host(HostState),
     /// A variable given by reference.
     Reference(Reference),
 }
@@ -137,6 +140,7 @@ impl Value {
             Self::Socket(_) => "a socket",
             Self::Clock(_) => "a clock",
             Self::Signal(_) => "a signal",
+            Self::Host(_) => "hidden state",
             Self::Reference(_) => "a reference",
         }
     }

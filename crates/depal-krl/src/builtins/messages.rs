@@ -26,8 +26,11 @@ pub(super) const ENTRIES: [Entry; 4] = [
 
 fn message(context: &CallContext<'_>, argument: usize) -> Result<String, RaisedError> {
     let mut message = text(context, argument)?;
+    // A text as the second one names the module that speaks, if there are values behind it.
+    let is_text = |at| any_value(context, at).is_ok_and(|(kind, _)| kind.starts_with("CHAR["));
+    let named = context.is_given(argument + 2) && is_text(argument + 1);
     for place in 1..=3 {
-        let at = argument + place;
+        let at = argument + place + usize::from(named);
         if context.is_given(at) {
             let (kind, value) = any_value(context, at)?;
             message = message.replace(&format!("%{place}"), &plain(&kind, &value));

@@ -2,6 +2,7 @@
 
 mod bas;
 mod bytes;
+mod eki;
 mod frames;
 mod geometry;
 mod internal;
@@ -17,8 +18,9 @@ mod swrite;
 mod table;
 mod timing;
 
+pub(crate) use eki::{Links, channels};
 pub(crate) use motion::{MoveForm, PathShape};
-pub(crate) use state::hidden_globals;
+pub(crate) use state::{CHANNELS, hidden_globals};
 pub(crate) use table::{Table, predefined_data};
 
 pub use table::built_in_names;

@@ -3,18 +3,21 @@
 use depal_vm::system::{MoveId, System};
 use depal_vm::{CallContext, RaisedError, Value};
 
+use super::eki::{FLAG_COUNT, Links, channels};
 use super::table::slot_of;
 
 const MOVES: usize = 0;
 const EVENTS: usize = 1;
 pub(super) const TIMERS: usize = 2;
 const PATH: usize = 3;
+pub(super) const FLAGS: usize = 4;
+pub(crate) const CHANNELS: usize = 5;
 
 /// Number of `$TIMER`.
 const TIMER_COUNT: usize = 64;
 
 /// Variables before all others.
-pub(crate) fn hidden_globals() -> [(&'static str, Value); 4] {
+pub(crate) fn hidden_globals() -> [(&'static str, Value); 6] {
     // Milliseconds while it stands, and since when it runs (nanoseconds, -1 while it stands).
     let timer = Value::Record(vec![Value::Int(0), Value::Int(-1)]);
     [
@@ -22,6 +25,8 @@ pub(crate) fn hidden_globals() -> [(&'static str, Value); 4] {
         ("outputs along the next move", Value::Array(Vec::new())),
         ("timers", Value::Array(vec![timer; TIMER_COUNT])),
         ("path", Value::Int(0)),
+        ("flags", Value::Array(vec![Value::Bool(false); FLAG_COUNT])),
+        ("channels", channels(Links::default())),
     ]
 }
 

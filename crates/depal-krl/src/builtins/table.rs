@@ -27,14 +27,18 @@ pub(super) type Operator = (&'static str, BuiltinFn);
 
 /// Data, structures and enumerations that every program knows, as data lists.
 /// Their variables lie behind the hidden ones, in this order.
-pub(crate) fn predefined_data() -> [&'static str; 1] {
-    [include_str!("../predefined.dat")]
+pub(crate) fn predefined_data() -> [&'static str; 2] {
+    [
+        include_str!("../predefined.dat"),
+        include_str!("../eki.dat"),
+    ]
 }
 
-fn themes() -> [&'static [Entry]; 9] {
+fn themes() -> [&'static [Entry]; 10] {
     [
         &bas::ENTRIES,
         &bytes::ENTRIES,
+        &eki::ENTRIES,
         &geometry::ENTRIES,
         &interrupts::ENTRIES,
         &io::ENTRIES,
@@ -45,8 +49,9 @@ fn themes() -> [&'static [Entry]; 9] {
     ]
 }
 
-fn operators() -> [&'static [Operator]; 6] {
+fn operators() -> [&'static [Operator]; 7] {
     [
+        &eki::OPERATORS,
         &geometry::OPERATORS,
         &internal::OPERATORS,
         &interrupts::OPERATORS,

@@ -53,6 +53,13 @@ pub(crate) const LIVE: &[Live] = &[
     indexed("$IN", "BOOL", Some("read in"), None, true),
     indexed("$OUT", "BOOL", Some("read out"), Some("write out"), true),
     indexed("$OUT_C", "BOOL", None, Some("write out on time"), false),
+    indexed(
+        "$FLAG",
+        "BOOL",
+        Some("read flag"),
+        Some("write flag"),
+        false,
+    ),
     indexed("$ANIN", "REAL", Some("read anin"), None, true),
     indexed(
         "$ANOUT",

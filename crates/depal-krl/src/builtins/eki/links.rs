@@ -1,0 +1,346 @@
+//! The channels of a program and their sockets. Plain data: a socket is a number of the cabinet.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::task::Poll;
+
+use depal_eki::{Channel, ChannelConfig, EkiError, Event, Peer, SignalTarget, Status};
+use depal_time::{SimDuration, SimTime};
+use depal_vm::system::{Fault, Received, SocketId, System};
+
+/// Most bytes that are taken from a socket at once.
+const PIECE: usize = 4096;
+/// Most pieces that are taken from one socket before others have their turn.
+const PIECES: usize = 64;
+
+/// What the program's flags, outputs and messages must hear.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Notice {
+    /// A flag or output gets a value.
+    Signal(SignalTarget, bool),
+    /// A line for the operator.
+    Message(String),
+}
+
+/// An initialised channel.
+#[derive(Debug, Clone)]
+struct Link {
+    channel: Channel,
+    socket: Option<SocketId>,
+    listener: Option<SocketId>,
+}
+
+/// The configuration files that a program was loaded with, and the channels that it has initialised.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Links {
+    files: BTreeMap<String, Arc<ChannelConfig>>,
+    open: BTreeMap<String, Link>,
+    notices: Vec<Notice>,
+}
+
+impl Links {
+    pub(crate) fn new(files: BTreeMap<String, Arc<ChannelConfig>>) -> Self {
+        Self {
+            files,
+            ..Self::default()
+        }
+    }
+
+    /// What has happened since the last call, in order.
+    pub(super) fn take_notices(&mut self) -> Vec<Notice> {
+        std::mem::take(&mut self.notices)
+    }
+
+    /// `EKI_Init`.
+    pub(super) fn init(&mut self, name: &str) -> Status {
+        let Some(config) = self.files.get(name) else {
+            let known: Vec<_> = self.files.keys().map(String::as_str).collect();
+            let known = if known.is_empty() {
+                "none".to_owned()
+            } else {
+                known.join(", ")
+            };
+            return self.report(
+                name,
+                Status::failed(
+                    EkiError::NoFile {
+                        name: name.to_owned(),
+                        known,
+                    },
+                    false,
+                ),
+            );
+        };
+        if let Some(link) = self.open.get(name) {
+            let error = EkiError::AlreadyInitialised {
+                name: name.to_owned(),
+            };
+            let status = Status::failed(error, link.channel.is_connected());
+            return self.report(name, status);
+        }
+        let link = Link {
+            channel: Channel::new(ChannelConfig::clone(config)),
+            socket: None,
+            listener: None,
+        };
+        self.open.insert(name.to_owned(), link);
+        Status::default()
+    }
+
+    /// `EKI_Open`: connects, or begins to listen. Asked again until ready.
+    pub(super) fn open(
+        &mut self,
+        name: &str,
+        started: SimTime,
+        system: &mut dyn System,
+    ) -> Poll<Status> {
+        let Some(link) = self.open.get_mut(name) else {
+            return Poll::Ready(self.not_there(name));
+        };
+        let status = match link.channel.config().peer {
+            _ if link.channel.is_connected() || link.listener.is_some() => {
+                Err(EkiError::AlreadyOpen)
+            }
+            Peer::Server => match link.connect(started, system) {
+                Poll::Pending => return Poll::Pending,
+                Poll::Ready(done) => done,
+            },
+            Peer::Client => link.listen(system),
+        };
+        let connected = link.channel.is_connected();
+        self.gather(name);
+        Poll::Ready(match status {
+            Ok(()) => Status {
+                connected,
+                ..Status::default()
+            },
+            Err(error) => self.report(name, Status::failed(error, connected)),
+        })
+    }
+
+    /// `EKI_Close`.
+    pub(super) fn close(&mut self, name: &str, system: &mut dyn System) -> Status {
+        let Some(link) = self.open.get_mut(name) else {
+            return unknown(name);
+        };
+        link.hang_up(system);
+        link.channel.close();
+        self.gather(name);
+        Status::default()
+    }
+
+    /// `EKI_Clear`: as if it had never been initialised.
+    pub(super) fn clear(&mut self, name: &str, system: &mut dyn System) -> Status {
+        let status = self.close(name, system);
+        self.open.remove(name);
+        status
+    }
+
+    /// A call on an initialised channel. What it sends goes out; what went wrong is told.
+    pub(super) fn with(
+        &mut self,
+        name: &str,
+        system: &mut dyn System,
+        call: impl FnOnce(&mut Channel) -> Status,
+    ) -> Status {
+        self.pump(system);
+        let Some(link) = self.open.get_mut(name) else {
+            return self.not_there(name);
+        };
+        let mut status = call(&mut link.channel);
+        if let Err(error) = link.flush(system) {
+            status = Status::failed(error, false);
+        }
+        self.gather(name);
+        self.report(name, status)
+    }
+
+    /// Takes what has arrived on all channels, and who has come.
+    pub(super) fn pump(&mut self, system: &mut dyn System) {
+        let names: Vec<String> = self.open.keys().cloned().collect();
+        for name in names {
+            if let Some(link) = self.open.get_mut(&name) {
+                if let Err(error) = link.pump(system) {
+                    self.tell(&name, &error);
+                }
+                self.gather(&name);
+            }
+        }
+    }
+
+    /// Turns the events of a channel into notices.
+    fn gather(&mut self, name: &str) {
+        let Some(link) = self.open.get_mut(name) else {
+            return;
+        };
+        for event in link.channel.take_events() {
+            match event {
+                Event::Signal { target, value } => {
+                    self.notices.push(Notice::Signal(target, value));
+                }
+                Event::Arrived { .. } => {}
+                Event::Refused(error) => self.notices.push(message(name, &error)),
+            }
+        }
+    }
+
+    fn not_there(&mut self, name: &str) -> Status {
+        let status = unknown(name);
+        self.report(name, status)
+    }
+
+    /// Tells the operator what a status says, unless the file says not to. An empty memory is no more than an answer.
+    fn report(&mut self, name: &str, status: Status) -> Status {
+        if let Some(error) = &status.error
+            && !matches!(error, EkiError::Empty { .. })
+        {
+            let error = error.clone();
+            self.tell(name, &error);
+        }
+        status
+    }
+
+    fn tell(&mut self, name: &str, error: &EkiError) {
+        if self.files.get(name).is_none_or(|file| file.show_errors) {
+            self.notices.push(message(name, error));
+        }
+    }
+}
+
+fn message(name: &str, error: &EkiError) -> Notice {
+    Notice::Message(format!("EKI{:05} {name}: {error}", error.number()))
+}
+
+fn unknown(name: &str) -> Status {
+    let error = EkiError::NotAvailable {
+        name: name.to_owned(),
+    };
+    Status::failed(error, false)
+}
+
+impl Link {
+    fn connect(&mut self, started: SimTime, system: &mut dyn System) -> Poll<Result<(), EkiError>> {
+        let config = self.channel.config();
+        let (address, port) = (config.external_ip.clone(), config.external_port);
+        let limit_ms = config.connect_timeout_ms;
+        let socket = *self.socket.get_or_insert_with(|| system.socket_create());
+        let reason = match system.socket_connect(socket, &address, port) {
+            Poll::Ready(Ok(())) => {
+                self.channel.connect(system.now());
+                return Poll::Ready(Ok(()));
+            }
+            Poll::Ready(Err(fault)) => words(&fault),
+            Poll::Pending => {
+                let limit = SimDuration::from_millis(u64::from(limit_ms));
+                if limit_ms == 0 || system.now().saturating_since(started) < limit {
+                    return Poll::Pending;
+                }
+                "nobody answers".to_owned()
+            }
+        };
+        self.hang_up(system);
+        Poll::Ready(Err(EkiError::NoContact {
+            address,
+            port,
+            limit_ms,
+            reason,
+        }))
+    }
+
+    fn listen(&mut self, system: &mut dyn System) -> Result<(), EkiError> {
+        let config = self.channel.config();
+        let (address, port) = (config.internal_ip.clone(), config.internal_port);
+        let listener = system.socket_create();
+        let bound = system
+            .socket_bind(listener, &address, port)
+            .and_then(|()| system.socket_listen(listener));
+        if let Err(fault) = bound {
+            system.socket_close(listener);
+            return Err(EkiError::NoContact {
+                address,
+                port,
+                limit_ms: config.connect_timeout_ms,
+                reason: words(&fault),
+            });
+        }
+        self.listener = Some(listener);
+        Ok(())
+    }
+
+    fn hang_up(&mut self, system: &mut dyn System) {
+        let sockets = [self.socket.take(), self.listener.take()];
+        for socket in sockets.into_iter().flatten() {
+            system.socket_close(socket);
+        }
+    }
+
+    fn pump(&mut self, system: &mut dyn System) -> Result<(), EkiError> {
+        if let (Some(listener), None) = (self.listener, self.socket) {
+            match system.socket_accept(listener) {
+                Poll::Ready(Ok((socket, _))) => {
+                    self.socket = Some(socket);
+                    self.channel.connect(system.now());
+                }
+                Poll::Ready(Err(_)) | Poll::Pending => {}
+            }
+        }
+        if !self.channel.is_connected() {
+            return Ok(());
+        }
+        let Some(socket) = self.socket else {
+            return Ok(());
+        };
+        let mut end = Ok(());
+        for _ in 0..PIECES {
+            match system.socket_receive(socket, PIECE) {
+                Poll::Pending => break,
+                Poll::Ready(Ok(Received::Data(bytes))) => {
+                    end = self.channel.receive(&bytes, system.now());
+                }
+                Poll::Ready(Ok(Received::Closed) | Err(_)) => self.channel.lose_connection(),
+            }
+            if !self.channel.is_connected() {
+                break;
+            }
+        }
+        if end.is_ok() {
+            end = self.channel.poll(system.now());
+        }
+        if !self.channel.is_connected() {
+            self.hang_up(system);
+        }
+        end
+    }
+
+    fn flush(&mut self, system: &mut dyn System) -> Result<(), EkiError> {
+        let bytes = self.channel.take_outgoing();
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let sent = match self.socket {
+            Some(socket) => system.socket_send(socket, &bytes).is_ok(),
+            None => false,
+        };
+        if sent {
+            return Ok(());
+        }
+        self.channel.close();
+        self.hang_up(system);
+        Err(EkiError::ConnectionLost)
+    }
+}
+
+/// What a fault of the cabinet means to who wants a connection.
+fn words(fault: &Fault) -> String {
+    match fault {
+        Fault::SocketClosed => "refused".to_owned(),
+        Fault::AddressInUse { address } => format!("{address} is in use"),
+        Fault::SocketState { message }
+        | Fault::NotThere { message }
+        | Fault::File { message }
+        | Fault::OutOfReach { message }
+        | Fault::MotionSupervision { message } => message.clone(),
+        Fault::UnknownSignal(name) => name.clone(),
+        _ => "refused by the cabinet".to_owned(),
+    }
+}
