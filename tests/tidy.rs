@@ -19,6 +19,7 @@ const ROWS: [&[&str]; 6] = [
     ],
     &[
         "depal-rapid",
+        "depal-tp",
         "depal-plc",
         "depal-controller",
         "depal-world",
@@ -35,7 +36,7 @@ const ROWS: [&[&str]; 6] = [
 const WITHIN_ROW: [(&str, &str); 1] = [("depal-motion", "depal-arm")];
 
 /// What a room must never know, whatever the rows allow.
-const FORBIDDEN: [(&str, &[&str]); 6] = [
+const FORBIDDEN: [(&str, &[&str]); 7] = [
     (
         "depal-vision",
         &["depal-world", "depal-camera", "depal-cell", "depal-gripper"],
@@ -55,6 +56,16 @@ const FORBIDDEN: [(&str, &[&str]); 6] = [
             "depal-motion",
             "depal-world",
             "depal-controller",
+        ],
+    ),
+    (
+        "depal-tp",
+        &[
+            "depal-arm",
+            "depal-motion",
+            "depal-world",
+            "depal-controller",
+            "depal-interface",
         ],
     ),
     (
