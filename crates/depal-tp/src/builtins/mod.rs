@@ -8,7 +8,7 @@ mod registers;
 mod signals;
 mod timing;
 
-pub(crate) use motion::{Goal, resolve};
+
 pub(crate) use signals::set_output;
 
 use depal_vm::{Builtin, BuiltinFn, CallContext, Outcome, RaisedError, Value};
@@ -36,7 +36,7 @@ pub(crate) fn table() -> Vec<Builtin> {
         &timing::ENTRIES,
         &motion::ENTRIES,
         &control::ENTRIES,
-        &crate::mm::ENTRIES,
+        crate::mm::ENTRIES,
     ];
     let row = |(name, run): &Entry| Builtin { name, run: *run };
     groups.into_iter().flatten().map(row).collect()

@@ -33,13 +33,13 @@ const CORNER_TCP: f64 = 2.0;
 const CORNER_SECONDS: f64 = 0.1;
 
 /// Where a move shall go.
-pub(crate) struct Goal<'a> {
-    pub position: &'a Position,
+struct Goal<'a> {
+    position: &'a Position,
     /// How the listing names it.
-    pub name: &'a str,
-    pub offset: Option<(Position, Option<f64>)>,
-    pub tool_offset: Option<Position>,
-    pub is_incremental: bool,
+    name: &'a str,
+    offset: Option<(Position, Option<f64>)>,
+    tool_offset: Option<Position>,
+    is_incremental: bool,
 }
 
 /// Arguments of `move`.
@@ -97,7 +97,7 @@ fn frames(memory: &Memory) -> (Pose, Pose) {
 ///
 /// An offset moves the target in the user frame (`offset * target`), a tool offset in the tool frame
 /// (`target * offset`); offsets of joint angles are added to joint angles.
-pub(crate) fn resolve(memory: &Memory, system: &dyn System, goal: &Goal<'_>) -> Result<MoveTarget, RaisedError> {
+fn resolve(memory: &Memory, system: &dyn System, goal: &Goal<'_>) -> Result<MoveTarget, RaisedError> {
     check_frames(memory, goal)?;
     if !goal.position.is_complete() {
         return Err(uninitialized(goal.name));
