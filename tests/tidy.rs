@@ -21,6 +21,7 @@ const ROWS: [&[&str]; 6] = [
     &[
         "depal-rapid",
         "depal-krl",
+        "depal-tp",
         "depal-plc",
         "depal-controller",
         "depal-world",
@@ -66,6 +67,16 @@ const FORBIDDEN: [(&str, &[&str]); 7] = [
             "depal-motion",
             "depal-world",
             "depal-controller",
+        ],
+    ),
+    (
+        "depal-tp",
+        &[
+            "depal-arm",
+            "depal-motion",
+            "depal-world",
+            "depal-controller",
+            "depal-interface",
         ],
     ),
     (

@@ -136,8 +136,10 @@ pub(super) fn path_events(context: &CallContext<'_>) -> Result<Vec<PathEvent>, R
             place: place(context, at, distance)?,
             lead,
             delay,
-            signal: format!("$OUT[{}]", output as i64),
-            value,
+            action: PathAction::Set {
+                signal: format!("$OUT[{}]", output as i64),
+                value,
+            },
         });
     }
     Ok(along)

@@ -1,0 +1,404 @@
+//! Moves: where they go, how fast, and how a program waits for them.
+
+use std::task::Poll;
+
+use depal_frames::{Point, Pose};
+use depal_time::SimDuration;
+use depal_vm::system::{
+    MoveId, MoveKind, MoveRequest, MoveSpeed, MoveTarget, MoveZone, PathEvent, PathPlace, System,
+};
+use depal_vm::{CallContext, Memory, Outcome, RaisedError, Value};
+
+use super::positions::as_position;
+use super::{Entry, Ran, answer, done, number};
+use crate::errors::{error, interpreter, mismatch, uninitialized};
+use crate::position::{Position, arm_from_shown, shown_from_arm};
+use crate::state;
+
+pub(super) const ENTRIES: [Entry; 5] = [
+    ("move", start),
+    ("move over", move_over),
+    ("move wait", move_wait),
+    ("move stop", move_stop),
+    ("skip is", skip_is),
+];
+
+/// Speed of the tool at which a J move of 100 % is not held back, m/s; also that of `max_speed`.
+const JOINT_MOVE_TCP: f64 = 10.0;
+/// Speed of reorientation where none is programmed, rad/s.
+const REORIENTATION: f64 = 4.0 * std::f64::consts::PI;
+/// Tool speed that the corner of a J move of 100 % is reckoned with, m/s.
+const CORNER_TCP: f64 = 2.0;
+/// Seconds of the programmed speed that a CNT100 corner takes to each side.
+const CORNER_SECONDS: f64 = 0.1;
+
+/// Where a move shall go.
+struct Goal<'a> {
+    position: &'a Position,
+    /// How the listing names it.
+    name: &'a str,
+    offset: Option<(Position, Option<f64>)>,
+    tool_offset: Option<Position>,
+    is_incremental: bool,
+}
+
+/// Arguments of `move`.
+mod argument {
+    pub const KIND: usize = 0;
+    pub const TARGET: usize = 1;
+    pub const NAME: usize = 2;
+    pub const VIA: usize = 3;
+    pub const SPEED: usize = 4;
+    pub const UNIT: usize = 5;
+    pub const CONTINUOUS: usize = 6;
+    pub const ACCELERATION: usize = 7;
+    pub const OFFSET: usize = 8;
+    pub const TOOL_OFFSET: usize = 9;
+    pub const INCREMENTAL: usize = 10;
+    pub const WAITS: usize = 11;
+    /// Then five for each output along the way.
+    pub const ALONG: usize = 12;
+}
+
+fn check_frames(memory: &Memory, goal: &Goal<'_>) -> Result<(), RaisedError> {
+    if goal.position.is_joint {
+        return Ok(());
+    }
+    let name = goal.name;
+    let in_use = state::number(memory, state::UFRAME_NUM);
+    if let Some(frame) = goal.position.frame
+        && f64::from(frame) != in_use
+    {
+        return Err(error(
+            "INTP-252",
+            format!("User frame number mismatch: {name} was taught in UF {frame}, UFRAME_NUM is {in_use}"),
+        ));
+    }
+    let in_use = state::number(memory, state::UTOOL_NUM);
+    if let Some(tool) = goal.position.tool
+        && f64::from(tool) != in_use
+    {
+        return Err(interpreter(format!(
+            "Tool frame number mismatch: {name} was taught with UT {tool}, UTOOL_NUM is {in_use}"
+        )));
+    }
+    Ok(())
+}
+
+/// The frames in use: `base_from_frame` and `flange_from_tcp`.
+fn frames(memory: &Memory) -> (Pose, Pose) {
+    (
+        state::frame(memory, state::FRAMES, state::number(memory, state::UFRAME_NUM)),
+        state::frame(memory, state::TOOLS, state::number(memory, state::UTOOL_NUM)),
+    )
+}
+
+/// The target of a goal.
+///
+/// An offset moves the target in the user frame (`offset * target`), a tool offset in the tool frame
+/// (`target * offset`); offsets of joint angles are added to joint angles.
+fn resolve(memory: &Memory, system: &dyn System, goal: &Goal<'_>) -> Result<MoveTarget, RaisedError> {
+    check_frames(memory, goal)?;
+    if !goal.position.is_complete() {
+        return Err(uninitialized(goal.name));
+    }
+    let coupled = state::is_coupled(memory);
+    let count = system.joints().len();
+    let (base_from_frame, flange_from_tcp) = frames(memory);
+    let mut position = goal.position.clone();
+    if goal.is_incremental {
+        let planned = system.planned_joints();
+        if position.is_joint {
+            for (value, now) in position.values.iter_mut().zip(shown_from_arm(&planned, coupled)) {
+                *value += now;
+            }
+        } else {
+            let now = base_from_frame.inverse() * system.forward(&planned) * flange_from_tcp;
+            let step = position.pose();
+            let mut sum = Pose::from_parts(now.translation, step.rotation * now.rotation);
+            sum.translation.vector += step.translation.vector;
+            position = Position::from_pose(&sum);
+        }
+    }
+    if position.is_joint {
+        if let Some((offset, _)) = goal.offset.as_ref().filter(|(offset, _)| offset.is_joint) {
+            for (value, more) in position.values.iter_mut().zip(offset.values) {
+                *value += more;
+            }
+        }
+        let joints = arm_from_shown(&position.values, count, coupled);
+        let is_moved = goal.offset.as_ref().is_some_and(|(offset, _)| !offset.is_joint)
+            || goal.tool_offset.is_some();
+        if !is_moved {
+            return Ok(MoveTarget::Joints(joints));
+        }
+        let base_from_tcp = system.forward(&joints) * flange_from_tcp;
+        position = Position::from_pose(&(base_from_frame.inverse() * base_from_tcp));
+    } else if goal.offset.as_ref().is_some_and(|(offset, _)| offset.is_joint) {
+        return Err(mismatch(format!(
+            "{} is Cartesian, its offset holds joint angles",
+            goal.name
+        )));
+    }
+    let mut base_from_tcp = base_from_frame * position.pose();
+    if let Some((offset, frame)) = goal.offset.as_ref().filter(|(offset, _)| !offset.is_joint) {
+        let base_from_offset = match frame {
+            Some(number) => state::frame(memory, state::FRAMES, *number),
+            None => base_from_frame,
+        };
+        base_from_tcp = base_from_offset * offset.pose() * base_from_offset.inverse() * base_from_tcp;
+    }
+    if let Some(offset) = &goal.tool_offset {
+        if offset.is_joint {
+            return Err(mismatch("a tool offset is Cartesian, the register holds joint angles"));
+        }
+        base_from_tcp *= offset.pose();
+    }
+    Ok(MoveTarget::Tcp(base_from_tcp))
+}
+
+/// Length of the tool's path from where the queue ends, metres.
+fn way(system: &dyn System, target: &MoveTarget, flange_from_tcp: &Pose) -> f64 {
+    let begin = (system.forward(&system.planned_joints()) * flange_from_tcp).translation.vector;
+    match target {
+        MoveTarget::Joints(joints) => {
+            ((system.forward(joints) * flange_from_tcp).translation.vector - begin).norm()
+        }
+        MoveTarget::Tcp(to) => (to.translation.vector - begin).norm(),
+        MoveTarget::Arc { through, to } => {
+            (through.coords - begin).norm() + (to.translation.vector - through.coords).norm()
+        }
+    }
+}
+
+fn optional(context: &CallContext<'_>, index: usize) -> Result<Option<f64>, RaisedError> {
+    if context.is_given(index) {
+        number(context, index).map(Some)
+    } else {
+        Ok(None)
+    }
+}
+
+/// A value that must lie above 0 and not above a limit.
+fn within(name: &str, value: f64, most: f64) -> Result<f64, RaisedError> {
+    if value > 0.0 && value <= most {
+        Ok(value)
+    } else {
+        Err(interpreter(format!(
+            "Speed out of range: {name} is {value}, expected more than 0 and at most {most}"
+        )))
+    }
+}
+
+fn speed(
+    context: &CallContext<'_>,
+    system: &dyn System,
+    target: &MoveTarget,
+    flange_from_tcp: &Pose,
+) -> Result<MoveSpeed, RaisedError> {
+    let share = state::number(context.memory, state::OVERRIDE) / 100.0;
+    let acceleration = optional(context, argument::ACCELERATION)?.unwrap_or(100.0);
+    if !(0.0..=150.0).contains(&acceleration) {
+        return Err(interpreter(format!("Invalid value: ACC{acceleration}; 0 to 150 are possible")));
+    }
+    let value = optional(context, argument::SPEED)?.unwrap_or(100.0);
+    let mut speed = MoveSpeed {
+        tcp: JOINT_MOVE_TCP,
+        orientation: REORIENTATION,
+        joint_fraction: share,
+        acceleration_fraction: (acceleration / 100.0).clamp(0.01, 1.0),
+    };
+    match number(context, argument::UNIT)? as i64 {
+        0 => {
+            let fraction = within("the percentage", value, 100.0)? / 100.0;
+            speed.joint_fraction = fraction * share;
+            speed.tcp = JOINT_MOVE_TCP * fraction;
+            speed.orientation = REORIENTATION * fraction;
+        }
+        1 => speed.tcp = within("the speed in mm/sec", value, 1e4)? * 1e-3,
+        2 => speed.tcp = within("the speed in cm/min", value, 6e4)? * 1e-2 / 60.0,
+        3 => speed.tcp = within("the speed in inch/min", value, 3e4)? * 25.4e-3 / 60.0,
+        4 => speed.orientation = within("the speed in deg/sec", value, 1e4)?.to_radians(),
+        unit @ (5 | 6) => {
+            let seconds = within("the time", value, 1e6)? * if unit == 6 { 1e-3 } else { 1.0 };
+            speed.tcp = (way(system, target, flange_from_tcp) / seconds).max(1e-4);
+        }
+        _ => {}
+    }
+    speed.tcp *= share;
+    speed.orientation *= share;
+    Ok(speed)
+}
+
+fn zone(context: &CallContext<'_>, kind: MoveKind, speed: &MoveSpeed) -> Result<MoveZone, RaisedError> {
+    let Some(value) = optional(context, argument::CONTINUOUS)? else {
+        return Ok(MoveZone::Fine);
+    };
+    if !(0.0..=100.0).contains(&value) {
+        return Err(interpreter(format!("Invalid value: CNT{value}; 0 to 100 are possible")));
+    }
+    let tcp = match kind {
+        MoveKind::Joint => CORNER_TCP * speed.joint_fraction,
+        MoveKind::Linear => speed.tcp,
+    };
+    let tcp = value / 100.0 * tcp.min(JOINT_MOVE_TCP) * CORNER_SECONDS;
+    Ok(MoveZone::Fly {
+        tcp,
+        // As far as a corner of that size turns on a circle of half a metre.
+        orientation: tcp / 0.5,
+    })
+}
+
+fn along(context: &CallContext<'_>) -> Result<Vec<PathEvent>, RaisedError> {
+    let mut events = Vec::new();
+    let mut at = argument::ALONG;
+    while context.is_given(at) {
+        let when = number(context, at)? as i64;
+        let amount = number(context, at + 1)?;
+        let word = context.string(at + 2)?;
+        let index = number(context, at + 3)?;
+        let value = number(context, at + 4)?;
+        let time = SimDuration::from_secs_f64(amount.clamp(0.0, 60.0));
+        let (place, lead, delay) = match when {
+            0 => (0.0, time, SimDuration::default()),
+            1 => (0.0, SimDuration::default(), time),
+            _ => (amount.max(0.0) * 1e-3, SimDuration::default(), SimDuration::default()),
+        };
+        events.push(PathEvent {
+            place: PathPlace::BeforeEnd(place),
+            lead,
+            delay,
+            signal: format!("{word}[{index}]"),
+            value,
+        });
+        at += 5;
+    }
+    Ok(events)
+}
+
+fn offset(context: &CallContext<'_>, index: usize) -> Result<Option<Position>, RaisedError> {
+    match context.value(index)? {
+        None => Ok(None),
+        // The condition that was set last.
+        Some(Value::Int(which)) => {
+            let held = state::items(context.memory, state::CONDITIONS).get(*which as usize);
+            match held.and_then(Position::from_value) {
+                Some(position) => Ok(Some(position)),
+                None => Err(uninitialized("the offset (no OFFSET CONDITION came before)")),
+            }
+        }
+        Some(value) => as_position(value).map(Some),
+    }
+}
+
+fn request(context: &CallContext<'_>, system: &dyn System) -> Result<(MoveRequest, Vec<PathEvent>), RaisedError> {
+    let kind = match number(context, argument::KIND)? as i64 {
+        0 => MoveKind::Joint,
+        _ => MoveKind::Linear,
+    };
+    let position = as_position(context.required(argument::TARGET)?)?;
+    let name = context.string(argument::NAME)?;
+    let is_condition = matches!(context.value(argument::OFFSET)?, Some(Value::Int(_)));
+    let frame = state::items(context.memory, state::CONDITIONS)
+        .get(state::OFFSET_FRAME)
+        .and_then(Value::as_number)
+        .filter(|_| is_condition);
+    let mut goal = Goal {
+        position: &position,
+        name: &name,
+        offset: offset(context, argument::OFFSET)?.map(|o| (o, frame)),
+        tool_offset: offset(context, argument::TOOL_OFFSET)?,
+        is_incremental: context.value(argument::INCREMENTAL)? == Some(&Value::Bool(true)),
+    };
+    let mut target = resolve(context.memory, system, &goal)?;
+    let (_, flange_from_tcp) = frames(context.memory);
+    if let Some(via) = context.value(argument::VIA)? {
+        let via = as_position(via)?;
+        goal.position = &via;
+        let pose_of = |target: MoveTarget| match target {
+            MoveTarget::Joints(joints) => system.forward(&joints) * flange_from_tcp,
+            MoveTarget::Tcp(pose) | MoveTarget::Arc { to: pose, .. } => pose,
+        };
+        let through = pose_of(resolve(context.memory, system, &goal)?);
+        target = MoveTarget::Arc {
+            through: Point::from(through.translation.vector),
+            to: pose_of(target),
+        };
+    }
+    let speed = speed(context, system, &target, &flange_from_tcp)?;
+    let request = MoveRequest {
+        kind,
+        target,
+        speed,
+        zone: zone(context, kind, &speed)?,
+        flange_from_tcp,
+        configuration: None,
+        location: context.location.clone(),
+    };
+    Ok((request, along(context)?))
+}
+
+/// Queues a move; waits for it if it ends in FINE. Answers its number.
+fn start(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    if context.notes.is_empty() {
+        let (request, events) = request(context, system)?;
+        let id = match system.start_move_with_events(&request, &events) {
+            Poll::Pending => return Ok(Outcome::Blocked),
+            Poll::Ready(Ok(id)) => id,
+            Poll::Ready(Err(fault)) => return Err(context.system_fault(fault)),
+        };
+        let waits = context.value(argument::WAITS)? == Some(&Value::Bool(true));
+        if request.zone != MoveZone::Fine || !waits {
+            return answer(Value::Int(id.0 as i64));
+        }
+        context.notes.push(Value::Int(id.0 as i64));
+    }
+    let Some(Value::Int(id)) = context.notes.first() else {
+        return done();
+    };
+    let id = *id;
+    match system.is_move_done(MoveId(id as u64)) {
+        Ok(true) => answer(Value::Int(id)),
+        Ok(false) => Ok(Outcome::Blocked),
+        Err(fault) => Err(context.system_fault(fault)),
+    }
+}
+
+fn id(context: &CallContext<'_>) -> Result<MoveId, RaisedError> {
+    Ok(MoveId(number(context, 0)? as u64))
+}
+
+fn move_over(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    match system.is_move_done(id(context)?) {
+        Ok(over) => answer(Value::Bool(over)),
+        Err(fault) => Err(context.system_fault(fault)),
+    }
+}
+
+fn move_wait(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    match system.is_move_done(id(context)?) {
+        Ok(true) => done(),
+        Ok(false) => Ok(Outcome::Blocked),
+        Err(fault) => Err(context.system_fault(fault)),
+    }
+}
+
+/// Stops the arm where it is; the rest of the move is dropped.
+fn move_stop(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    if context.notes.is_empty() {
+        system.stop_motion();
+        context.notes.push(Value::Bool(true));
+    }
+    if system.is_standing() {
+        done()
+    } else {
+        Ok(Outcome::Blocked)
+    }
+}
+
+/// Whether this is the SKIP CONDITION that was set last.
+fn skip_is(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
+    let wanted = number(context, 0)?;
+    let held = state::items(context.memory, state::CONDITIONS).get(state::SKIP);
+    answer(Value::Bool(held.and_then(Value::as_number) == Some(wanted)))
+}

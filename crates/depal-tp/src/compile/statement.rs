@@ -1,0 +1,450 @@
+//! Instructions.
+
+use depal_vm::{Diagnostic, Op, Span, Value};
+
+use super::expression::Known;
+use super::routine::{ARGUMENTS, equal, row};
+use super::{Block, Compiler};
+use crate::state;
+use crate::syntax::tree::*;
+
+impl Compiler<'_> {
+    pub(super) fn statement(&mut self, line: &Line) {
+        let span = line.span;
+        match &line.statement {
+            Statement::Empty | Statement::Comment(_) | Statement::Label(_) | Statement::Nothing(_) => {}
+            Statement::Action(action) => self.action(action, span),
+            Statement::Run(call) => {
+                let name = match &call.callee {
+                    Callee::Name(name) => name.text.clone(),
+                    Callee::Register(_) => "SR[...]".into(),
+                };
+                self.error(
+                    Diagnostic::warning("TP0291", span, format!("RUN {name} is not simulated"))
+                        .help("the program stops with an error when it gets here"),
+                );
+                self.push_text(name);
+                self.call_builtin("run", 1, false);
+            }
+            Statement::If(condition, action) => {
+                self.condition(condition);
+                let skip = self.emit(Op::JumpIfFalse(0));
+                self.action(action, span);
+                self.land(skip);
+            }
+            Statement::IfThen(condition) => {
+                self.condition(condition);
+                let skip = self.emit(Op::JumpIfFalse(0));
+                self.body.blocks.push(Block::If {
+                    span,
+                    skip,
+                    end: None,
+                });
+            }
+            Statement::Else => self.otherwise(span),
+            Statement::EndIf => self.end_if(span),
+            Statement::For {
+                counter,
+                from,
+                to,
+                down,
+            } => self.begin_for(counter, from, to, *down, span),
+            Statement::EndFor => self.end_for(span),
+            Statement::Select {
+                subject,
+                value,
+                action,
+            } => {
+                let held = self.new_local();
+                self.value(subject);
+                self.emit(Op::SetLocal(held));
+                self.body.select = Some((held, Vec::new()));
+                self.case(value, action, span);
+            }
+            Statement::Case { value, action } => self.case(value, action, span),
+            Statement::CaseElse(action) => match self.body.select.is_some() {
+                true => self.action(action, span),
+                false => self.stray(span, "ELSE", "SELECT"),
+            },
+            Statement::WaitSeconds(seconds) => {
+                self.amount(seconds);
+                self.call_builtin("wait", 1, false);
+            }
+            Statement::WaitUntil { condition, timeout } => self.wait_until(condition, timeout.as_ref()),
+            Statement::Motion(motion) => self.motion(motion),
+            Statement::SkipCondition(condition) => {
+                self.demand(condition, &[Known::Switch], "as a condition");
+                let at = self.skip_conditions.iter().position(|(place, _)| *place == span);
+                self.push_number(state::SKIP as f64);
+                self.push_number(at.unwrap_or(0) as f64);
+                self.call_builtin("condition set", 2, false);
+            }
+            Statement::OffsetCondition { offset, frame } => {
+                self.keep_register(state::OFFSET, offset);
+                self.push_number(state::OFFSET_FRAME as f64);
+                match frame {
+                    Some(frame) => self.amount(frame),
+                    None => {
+                        self.emit(Op::Push(Value::Bool(false)));
+                    }
+                }
+                self.call_builtin("condition set", 2, false);
+            }
+            Statement::ToolOffsetCondition { offset, tool } => {
+                if tool.is_some() {
+                    self.refuse(span, "TOOL_OFFSET CONDITION with a tool of its own");
+                }
+                self.keep_register(state::TOOL_OFFSET, offset);
+            }
+            Statement::Payload(index) => {
+                self.push_number(state::PAYLOAD as f64);
+                self.amount(index);
+                self.call_builtin("number set", 2, false);
+            }
+            Statement::UserAlarm(index) => {
+                self.amount(index);
+                self.call_builtin("alarm", 1, false);
+            }
+            Statement::Message(text) => {
+                self.push_text(text.clone());
+                self.call_builtin("message", 1, false);
+            }
+        }
+    }
+
+    fn keep_register(&mut self, which: usize, index: &Expr) {
+        self.push_number(which as f64);
+        self.amount(index);
+        self.call_builtin("pr get", 1, true);
+        self.call_builtin("condition set", 2, false);
+    }
+
+    pub(super) fn action(&mut self, action: &Action, span: Span) {
+        match action {
+            Action::Jump(label) => self.jump(label),
+            Action::Call(call) => self.call(call, span),
+            Action::Assign(item, change) => self.assign(item, change, span),
+            Action::Pause => self.call_builtin("pause", 0, false),
+            Action::Abort => self.call_builtin("abort", 0, false),
+            Action::End => {
+                self.emit(Op::Return { value: false });
+            }
+            Action::Unsupported(word) => self.refuse(span, word),
+        }
+    }
+
+    fn assign(&mut self, item: &Item, change: &Change, span: Span) {
+        match change {
+            Change::Value(value) => {
+                use Known::{Number, Position, Switch, Text};
+                let wanted: &[Known] = match item.kind {
+                    ItemKind::R => &[Number, Switch, Text],
+                    ItemKind::Sr => &[Text, Number],
+                    ItemKind::Pr | ItemKind::P if item.indexes.len() > 1 => &[Number],
+                    ItemKind::Pr | ItemKind::P | ItemKind::Uframe | ItemKind::Utool => &[Position],
+                    ItemKind::Go | ItemKind::Ao => &[Number],
+                    ItemKind::Timer | ItemKind::UframeNum | ItemKind::UtoolNum | ItemKind::Override => &[Number],
+                    ItemKind::System => &[Number, Switch, Text, Position],
+                    _ => &[Switch, Number],
+                };
+                self.demand(value, wanted, &format!("for {}", item.kind.name()));
+                self.write(item, &|compiler| compiler.value(value));
+            }
+            Change::Pulse(width) => {
+                if !matches!(item.kind, ItemKind::Do | ItemKind::Ro) {
+                    let message = format!("{} takes no PULSE; DO and RO do", item.kind.name());
+                    self.error(Diagnostic::error("TP0213", span, message));
+                    return;
+                }
+                self.push_text(item.kind.name());
+                for index in &item.indexes {
+                    self.amount(index);
+                }
+                match width {
+                    Some(width) => self.amount(width),
+                    None => self.push_number(0.1),
+                }
+                self.call_builtin("signal pulse", 3, false);
+            }
+            Change::TimerStart | Change::TimerStop | Change::TimerReset => {
+                for index in &item.indexes {
+                    self.amount(index);
+                }
+                let name = match change {
+                    Change::TimerStart => "timer start",
+                    Change::TimerStop => "timer stop",
+                    _ => "timer reset",
+                };
+                self.call_builtin(name, 1, false);
+            }
+        }
+    }
+
+    fn stray(&mut self, span: Span, what: &str, before: &str) {
+        let message = format!("{what} without {before} before it");
+        self.error(Diagnostic::error("TP0224", span, message));
+    }
+
+    /// ELSE and ENDIF that stand inside a FOR of the same IF.
+    fn crossed(&mut self, span: Span, what: &str, block: Block) {
+        let opened = match &block {
+            Block::If { span, .. } | Block::For { span, .. } => *span,
+        };
+        let closing = match &block {
+            Block::If { .. } => "ENDIF",
+            Block::For { .. } => "ENDFOR",
+        };
+        let message = format!("{what} comes before the {closing} of a block inside");
+        self.error(Diagnostic::error("TP0225", span, message).secondary(opened, "the block begins here"));
+        self.body.blocks.push(block);
+    }
+
+    fn otherwise(&mut self, span: Span) {
+        match self.body.blocks.pop() {
+            Some(Block::If {
+                span: opened,
+                skip,
+                end: None,
+            }) => {
+                let end = self.emit(Op::Jump(0));
+                self.land(skip);
+                self.body.blocks.push(Block::If {
+                    span: opened,
+                    skip,
+                    end: Some(end),
+                });
+            }
+            Some(Block::If { span: opened, skip, end }) => {
+                self.error(
+                    Diagnostic::error("TP0226", span, "a second ELSE").secondary(opened, "of this IF"),
+                );
+                self.body.blocks.push(Block::If { span: opened, skip, end });
+            }
+            Some(block) => self.crossed(span, "ELSE", block),
+            None => self.stray(span, "ELSE", "IF ... THEN"),
+        }
+    }
+
+    fn end_if(&mut self, span: Span) {
+        match self.body.blocks.pop() {
+            Some(Block::If { skip, end, .. }) => self.land(end.unwrap_or(skip)),
+            Some(block) => self.crossed(span, "ENDIF", block),
+            None => self.stray(span, "ENDIF", "IF ... THEN"),
+        }
+    }
+
+    /// The end value is worked out once. The counter keeps the last value it ran with.
+    fn begin_for(&mut self, counter: &Item, from: &Expr, to: &Expr, down: bool, span: Span) {
+        self.demand(from, &[Known::Number], "as the start of FOR");
+        self.demand(to, &[Known::Number], "as the end of FOR");
+        let last = self.new_local();
+        self.value(to);
+        self.emit(Op::SetLocal(last));
+        self.write(counter, &|compiler| compiler.value(from));
+        let counter = Expr {
+            span: counter.span,
+            kind: ExprKind::Item(counter.clone()),
+        };
+        let test = if down { Operator::GreaterOrEqual } else { Operator::LessOrEqual };
+        self.compare(test, &counter, last);
+        let exit = self.emit(Op::JumpIfFalse(0));
+        let begin = self.here();
+        self.body.blocks.push(Block::For {
+            span,
+            begin,
+            exit,
+            counter,
+            last,
+            down,
+        });
+    }
+
+    fn compare(&mut self, operator: Operator, value: &Expr, held: u32) {
+        self.push_number(row(operator));
+        self.value(value);
+        self.emit(Op::LoadLocal(held));
+        self.call_builtin("operate", 3, true);
+    }
+
+    fn end_for(&mut self, span: Span) {
+        match self.body.blocks.pop() {
+            Some(Block::For {
+                begin,
+                exit,
+                counter,
+                last,
+                down,
+                ..
+            }) => {
+                let test = if down { Operator::Greater } else { Operator::Less };
+                self.compare(test, &counter, last);
+                let over = self.emit(Op::JumpIfFalse(0));
+                if let ExprKind::Item(item) = &counter.kind {
+                    let step = row(if down { Operator::Subtract } else { Operator::Add });
+                    self.write(item, &|compiler| {
+                        compiler.push_number(step);
+                        compiler.value(&counter);
+                        compiler.push_number(1.0);
+                        compiler.call_builtin("operate", 3, true);
+                    });
+                }
+                self.emit(Op::Jump(begin));
+                self.land(over);
+                self.land(exit);
+            }
+            Some(block) => self.crossed(span, "ENDFOR", block),
+            None => self.stray(span, "ENDFOR", "FOR"),
+        }
+    }
+
+    fn case(&mut self, value: &Expr, action: &Action, span: Span) {
+        let Some((held, _)) = self.body.select else {
+            self.stray(span, "a case", "SELECT");
+            return;
+        };
+        self.push_number(equal());
+        self.emit(Op::LoadLocal(held));
+        self.value(value);
+        self.call_builtin("operate", 3, true);
+        let next = self.emit(Op::JumpIfFalse(0));
+        self.action(action, span);
+        let end = self.emit(Op::Jump(0));
+        if let Some((_, ends)) = &mut self.body.select {
+            ends.push(end);
+        }
+        self.land(next);
+    }
+
+    pub(super) fn end_select(&mut self) {
+        if let Some((_, ends)) = self.body.select.take() {
+            for end in ends {
+                self.land(end);
+            }
+        }
+    }
+
+    fn wait_until(&mut self, condition: &Expr, timeout: Option<&Expr>) {
+        self.emit(Op::WaitBegin);
+        let again = self.here();
+        self.condition(condition);
+        let wait = self.emit(Op::JumpIfFalse(0));
+        let end = self.emit(Op::Jump(0));
+        self.land(wait);
+        if let Some(label) = timeout {
+            self.emit(Op::WaitElapsed);
+            self.call_builtin("timed out", 1, true);
+            let more = self.emit(Op::JumpIfFalse(0));
+            self.jump(label);
+            self.land(more);
+        }
+        self.emit(Op::Block(again));
+        self.land(end);
+    }
+
+    pub(super) fn call(&mut self, call: &Call, span: Span) {
+        if call.arguments.len() > ARGUMENTS + 1 {
+            let message = format!(
+                "{} arguments are given; a program takes at most {ARGUMENTS}",
+                call.arguments.len()
+            );
+            self.error(Diagnostic::error("TP0230", span, message));
+            return;
+        }
+        match &call.callee {
+            Callee::Name(name) => self.call_by_name(name, &call.arguments),
+            Callee::Register(index) => self.call_by_register(index, &call.arguments),
+        }
+    }
+
+    fn call_by_name(&mut self, name: &Name, arguments: &[Expr]) {
+        let key = name.text.to_uppercase();
+        if let Some(routine) = self.programs.get(&key).copied() {
+            for argument in arguments {
+                self.value(argument);
+            }
+            self.emit(Op::Call {
+                routine,
+                arguments: arguments.len() as u32,
+            });
+            return;
+        }
+        if let Some(call) = crate::mm::CALLS.iter().find(|c| c.name.eq_ignore_ascii_case(&key)) {
+            let wanted = call.parameters.len();
+            // A status register behind the others is that of newer versions.
+            if arguments.len() != wanted && arguments.len() != wanted + 1 {
+                let message = format!(
+                    "{} takes {wanted} arguments, or {} with a status register, {} are given",
+                    call.name,
+                    wanted + 1,
+                    arguments.len()
+                );
+                self.error(
+                    Diagnostic::error("TP0231", name.span, message)
+                        .help(format!("{}({})", call.name, call.parameters.join(","))),
+                );
+                return;
+            }
+            for argument in arguments {
+                self.value(argument);
+            }
+            self.call_builtin(call.name, arguments.len() as u32, false);
+            return;
+        }
+        let message = format!("there is no program {}", name.text);
+        let mut message = Diagnostic::warning("TP0232", name.span, message)
+            .label("the program stops with an error when it gets here");
+        if let Some(near) = self.near_program(&key) {
+            message = message.help(format!("did you mean {near}?"));
+        }
+        self.error(message);
+        self.push_text(name.text.clone());
+        self.call_builtin("missing program", 1, false);
+    }
+
+    /// The register is compared with the name of each program.
+    fn call_by_register(&mut self, index: &Expr, arguments: &[Expr]) {
+        let held = self.new_local();
+        self.amount(index);
+        self.call_builtin("sr get", 1, true);
+        self.emit(Op::SetLocal(held));
+        let mut ends = Vec::new();
+        let programs: Vec<(String, u32)> = self.programs.iter().map(|(n, r)| (n.clone(), *r)).collect();
+        for (name, routine) in programs {
+            let next = self.is_named(held, &name);
+            for argument in arguments {
+                self.value(argument);
+            }
+            self.emit(Op::Call {
+                routine,
+                arguments: arguments.len() as u32,
+            });
+            ends.push(self.emit(Op::Jump(0)));
+            self.land(next);
+        }
+        for call in crate::mm::CALLS {
+            let wanted = call.parameters.len();
+            if arguments.len() != wanted && arguments.len() != wanted + 1 {
+                continue;
+            }
+            let next = self.is_named(held, call.name);
+            for argument in arguments {
+                self.value(argument);
+            }
+            self.call_builtin(call.name, arguments.len() as u32, false);
+            ends.push(self.emit(Op::Jump(0)));
+            self.land(next);
+        }
+        self.emit(Op::LoadLocal(held));
+        self.call_builtin("missing program", 1, false);
+        for end in ends {
+            self.land(end);
+        }
+    }
+
+    fn is_named(&mut self, held: u32, name: &str) -> usize {
+        self.emit(Op::LoadLocal(held));
+        self.push_text(name);
+        self.call_builtin("name is", 2, true);
+        self.emit(Op::JumpIfFalse(0))
+    }
+}
