@@ -28,6 +28,7 @@ mod camera;
 mod choice;
 mod document;
 mod embedded;
+mod equip;
 mod error;
 mod files;
 mod gripper;
