@@ -77,6 +77,7 @@ impl GripperSpec {
                 switch_on_fraction: 0.60,
                 switch_off_fraction: 0.45,
                 open_cup_loss: 0.05,
+                flow: None,
                 friction: 0.5,
             },
         }

@@ -24,19 +24,22 @@
 //! Units: SI; pressures are *below ambient* and positive. Frame: `tcp`, middle of the cup plane,
 //! Z out of the gripper towards the carton, X along its long side.
 //!
-//! Limitations: air flow is a first-order lag per section, not a flow network; one stiffness
+//! Limitations: air flow is a first-order lag per section towards the balance of its pump and its leaks
+//! ([`FlowSpec`], or a fixed share for each open cup), not a flow network; one stiffness
 //! serves all shear directions; a lip that reaches over an edge leaks fully, however little;
-//! a cup does not pull before its lip touches; cartons are airtight.
+//! a cup does not pull before its lip touches; cartons are airtight where no porosity is given.
 
 mod cup;
 mod demo;
 mod event;
+mod flow;
 mod spec;
 mod state;
 mod zone;
 
 pub use cup::{CupContact, CupForce, axial_push};
 pub use event::{GripEvent, LossReason};
+pub use flow::FlowSpec;
 pub use spec::{CupSpec, GripperSpec, SectionSpec, VacuumSpec};
 pub use state::GripperState;
 

@@ -1,5 +1,7 @@
 use depal_frames::{PlacedShape, Pose};
 
+use crate::FlowSpec;
+
 /// A sectioned vacuum gripper. The tool frame `tcp` is at the middle of the cup plane,
 /// Z pointing out of the gripper towards the carton, X along the gripper's long side.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +64,30 @@ pub struct VacuumSpec {
     pub switch_off_fraction: f64,
     /// Share of the supply that one open cup of `n` in a zone loses (flow resistors keep it below 1):
     /// with `m` open cups the zone reaches `supply * (1 - m * loss)`, never below zero.
+    /// Not used where `flow` is given.
     pub open_cup_loss: f64,
+    /// Pump curve and leaks of a section; absent: `open_cup_loss` stands for them.
+    pub flow: Option<FlowSpec>,
     /// Coefficient of friction between lip and carton.
     pub friction: f64,
+}
+
+impl VacuumSpec {
+    /// Vacuum that a section comes to with so many sealed and open cups (fractions count), Pa;
+    /// `available` is what the pump reaches on a closed section, [`VacuumSpec::supply_vacuum`] if it is in order.
+    pub fn reached(&self, sealed: f64, open: f64, available: f64) -> f64 {
+        match &self.flow {
+            Some(flow) => flow.balance(sealed, open, available / self.supply_vacuum),
+            None => available * (1.0 - self.open_cup_loss * open).max(0.0),
+        }
+    }
+}
+
+impl GripperSpec {
+    /// Vacuum of a section with all its cups sealed, Pa.
+    pub fn sealed_vacuum(&self, section: usize) -> f64 {
+        let cups = self.cups.iter().filter(|cup| cup.section == section);
+        let vacuum = &self.vacuum;
+        vacuum.reached(cups.count() as f64, 0.0, vacuum.supply_vacuum)
+    }
 }

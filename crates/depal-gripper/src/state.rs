@@ -73,14 +73,13 @@ impl GripperState {
         }
         self.follow_lips(spec, &contact);
         for (index, zone) in self.zones.iter_mut().enumerate() {
-            let open = spec
-                .cups
-                .iter()
-                .zip(&self.cups)
-                .filter(|(cup, _)| cup.section == index)
-                .map(|(_, state)| 1.0 - state.seal)
-                .sum();
-            zone.advance(&spec.vacuum, self.available_vacuum, open, dt);
+            let cups = spec.cups.iter().zip(&self.cups);
+            let (mut sealed, mut open) = (0.0, 0.0);
+            for (_, state) in cups.filter(|(cup, _)| cup.section == index) {
+                sealed += state.seal;
+                open += 1.0 - state.seal;
+            }
+            zone.advance(&spec.vacuum, self.available_vacuum, sealed, open, dt);
         }
         let mut forces = Vec::new();
         for (index, (cup, state)) in spec.cups.iter().zip(&mut self.cups).enumerate() {

@@ -2,6 +2,9 @@ use proptest::prelude::*;
 
 use crate::*;
 
+mod flow;
+mod limits;
+
 const GRAVITY: f64 = 9.81;
 
 /// A carton as a point mass under level cups: enough for axial load and shear, no peel.

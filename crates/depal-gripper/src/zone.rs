@@ -13,17 +13,32 @@ pub(crate) struct Zone {
     pub vacuum: f64,
     /// Vacuum switch, with hysteresis.
     pub switch: bool,
+    /// Available vacuum, sealed and open cups for which the balance was found last, and the balance.
+    balance: Option<([f64; 3], f64)>,
 }
 
 impl Zone {
-    /// Advances the pressure by `dt` seconds with `open_cups` lips open (a fraction counts).
+    /// What the section would come to; found anew only when a lip or the pump has changed.
+    fn target(&mut self, spec: &VacuumSpec, available: f64, sealed: f64, open: f64) -> f64 {
+        let asked = [available, sealed, open];
+        match self.balance {
+            Some((known, balance)) if known == asked => balance,
+            _ => {
+                let balance = spec.reached(sealed, open, available);
+                self.balance = Some((asked, balance));
+                balance
+            }
+        }
+    }
+
+    /// Advances the pressure by `dt` seconds with so many lips sealed and open (fractions count).
     ///
     /// `dp/dt = (target - p) / tau`, solved exactly, so that the result does not depend on `dt`:
     /// the target is what the pump reaches against the open cups, or zero with the valve closed.
-    pub fn advance(&mut self, spec: &VacuumSpec, available: f64, open_cups: f64, dt: f64) {
+    pub fn advance(&mut self, spec: &VacuumSpec, available: f64, sealed: f64, open: f64, dt: f64) {
         let (target, time) = if self.valve {
-            let share = (1.0 - spec.open_cup_loss * open_cups).max(0.0);
-            (available * share, spec.build_up_time)
+            let target = self.target(spec, available, sealed, open);
+            (target, spec.build_up_time)
         } else {
             (0.0, spec.blow_off_time)
         };

@@ -130,7 +130,9 @@ pub(crate) fn ways(arm: &Arm, from: &JointPositions, to: &JointPositions) -> Vec
 
 fn mixed(from: &JointPositions, to: &JointPositions, turn: f64, bend: f64) -> JointPositions {
     let mut via = from.lerp(to, turn);
-    for joint in [1, 2, 4] {
+    // Axes 2, 3 and 5 bend the arm; a palletizer has no axis 5.
+    let bending: &[usize] = if from.len() < 6 { &[1, 2] } else { &[1, 2, 4] };
+    for &joint in bending {
         via[joint] = from[joint] + (to[joint] - from[joint]) * bend;
     }
     via
@@ -139,6 +141,13 @@ fn mixed(from: &JointPositions, to: &JointPositions, turn: f64, bend: f64) -> Jo
 /// The same heading with axes 2 and 3 at a drawn-in posture; none when the wrist is not in line with the arm.
 pub(crate) fn drawn_in(at: &JointPositions, second: f64, third: f64) -> Option<JointPositions> {
     use std::f64::consts::PI;
+    if at.len() < 6 {
+        // The rods of a palletizer keep the tool level.
+        let mut drawn = *at;
+        drawn[1] = second;
+        drawn[2] = third;
+        return Some(drawn);
+    }
     let turns = at[3] / PI;
     let half_turns = turns.round();
     if (turns - half_turns).abs() > 0.05 {

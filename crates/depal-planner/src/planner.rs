@@ -150,6 +150,17 @@ impl Planner<'_> {
         self.request.arm.base_from_flange(joints) * self.request.gripper.flange_from_tcp
     }
 
+    /// Where a group is taken to be: an arm with fewer than six axes cannot lean, so it comes down level.
+    fn base_from_group(&self, group: &Group) -> Pose {
+        let pose = group.whole.base_from_box;
+        if self.request.arm.joint_count() >= 6 {
+            return pose;
+        }
+        let long = pose.rotation * Vector::x();
+        let level = Rotation::from_axis_angle(&Vector::z_axis(), long.y.atan2(long.x));
+        Pose::from_parts(pose.translation, level)
+    }
+
     fn pick(&self, group: &Group) -> Result<PickPlan, RejectReason> {
         let settings = self.request.settings;
         let (mass, limit) = (load(group, settings), settings.max_load);
@@ -198,7 +209,7 @@ impl Planner<'_> {
         let tcp_from_flange = request.gripper.flange_from_tcp.inverse();
         let mut attempts: Vec<Attempt> = Vec::new();
         for (g, grasp) in grasps.iter().enumerate() {
-            let at_pick = seen.base_from_box * grasp.box_from_tcp * tcp_from_flange;
+            let at_pick = self.base_from_group(group) * grasp.box_from_tcp * tcp_from_flange;
             let bare_tool = Check {
                 robot: self.robot,
                 world: &self.worlds.close,
@@ -493,7 +504,7 @@ impl Planner<'_> {
             waypoints,
             box_index: group.members[0],
             box_indices: group.members.clone(),
-            base_from_group: group.whole.base_from_box,
+            base_from_group: self.base_from_group(group),
             sections: grasp.sections.clone(),
             tcp_offset: grasp.tcp_offset,
             edge_corner_id: grasp.edge_corner_id,

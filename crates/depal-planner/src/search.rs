@@ -39,7 +39,9 @@ impl Ground for Cell<'_> {
             drawn[i] = random.uniform(low, high);
         }
         let hangs = |at: &JointPositions| drawn_in(at, drawn[1], drawn[2]);
-        if let (Some(a), Some(b)) = (hangs(from), hangs(to)) {
+        if drawn.len() < 6 {
+            // A palletizer's tool hangs anyhow.
+        } else if let (Some(a), Some(b)) = (hangs(from), hangs(to)) {
             let share = random.uniform(0.0, 1.0);
             drawn[3] = a[3] + (b[3] - a[3]) * share;
             drawn[4] = a[4] + (b[4] - a[4]) * share;

@@ -15,10 +15,14 @@ pub(crate) fn holding_force<'a>(
     gripper: &GripperSpec,
     cups: impl Iterator<Item = &'a CupSpec>,
 ) -> f64 {
-    let area: f64 = cups
-        .map(|cup| std::f64::consts::PI * 0.25 * cup.diameter * cup.diameter)
-        .sum();
-    area * gripper.vacuum.supply_vacuum
+    let mut reached = std::collections::BTreeMap::new();
+    cups.map(|cup| {
+        let vacuum = reached
+            .entry(cup.section)
+            .or_insert_with(|| gripper.sealed_vacuum(cup.section));
+        std::f64::consts::PI * 0.25 * cup.diameter * cup.diameter * *vacuum
+    })
+    .sum()
 }
 
 /// Force needed to hold the assumed carton at rest, with the safety factor, N.

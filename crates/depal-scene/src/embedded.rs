@@ -20,10 +20,38 @@ const FILES: &[(&str, &str)] = &[
         include_str!("../../../assets/rapid/MM_Module_2_x.mod"),
     ),
     (
+        "assets/grippers/bellows_2x6.toml",
+        include_str!("../../../assets/grippers/bellows_2x6.toml"),
+    ),
+    (
+        "assets/grippers/foam_4_sections.toml",
+        include_str!("../../../assets/grippers/foam_4_sections.toml"),
+    ),
+    (
+        "assets/grippers/single_cup.toml",
+        include_str!("../../../assets/grippers/single_cup.toml"),
+    ),
+    (
         "urdf/abb_irb6700_150_320.urdf",
         include_str!("../../../urdf/abb_irb6700_150_320.urdf"),
     ),
 ];
+
+/// Folder of the grippers that are known by name.
+const GRIPPERS: &str = "assets/grippers/";
+
+/// Path of the gripper of this name.
+pub(crate) fn gripper_path(name: &str) -> String {
+    format!("{GRIPPERS}{name}.toml")
+}
+
+/// Names of the embedded grippers.
+pub(crate) fn gripper_names() -> Vec<&'static str> {
+    let paths = FILES.iter().map(|(path, _)| *path);
+    paths
+        .filter_map(|path| path.strip_prefix(GRIPPERS)?.strip_suffix(".toml"))
+        .collect()
+}
 
 /// The text of an embedded file.
 pub(crate) fn text(path: &str) -> Option<&'static str> {

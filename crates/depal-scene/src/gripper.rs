@@ -2,7 +2,7 @@
 
 use crate::reader::{Checker, section};
 use crate::rules::{
-    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, ListOf, Numbers, SHARE, Text, Wholes, above, number,
+    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, ListOf, Maybe, Numbers, SHARE, Text, Wholes, above, number,
     table, whole,
 };
 
@@ -37,6 +37,12 @@ section! {
     /// The gripper. The tool frame is at the middle of the cup plane, Z out of the gripper towards the
     /// carton, X along its long side.
     pub struct Gripper {
+        /// Name of a gripper that travels with the program; keys beside this one win over its own.
+        /// Default: none, the gripper is described here or in `file`.
+        model: Option<String>, Maybe(Text), default(None);
+        /// File of a gripper, its keys as here; keys beside this one win over the file's.
+        /// Default: none, the gripper is described here or by `model`.
+        file: Option<String>, Maybe(Text), default(None);
         /// Name for messages and the replay.
         /// Default gripper.
         name: String, Text, default("gripper".to_owned());
@@ -95,6 +101,19 @@ section! {
         /// Share of the vacuum that a zone loses when all its cups are open; one of n cups costs an n-th of it.
         /// Default 0.9: flow resistors in the cups keep the rest.
         open_cup_loss: f64, SHARE, default(0.9);
+        /// Pump curve of one section: pairs of vacuum, kPa, and the flow drawn there, l/min of air as it is around;
+        /// from no vacuum upwards, the flow falling to zero at the last pair, which then is `rated_vacuum_kpa`.
+        /// Default: none, `open_cup_loss` stands for pump and leaks.
+        pump_curve: Vec<[f64; 2]>, ListOf(Numbers::<2>(number(0.0, 100_000.0)), 0, 32), default(Vec::new());
+        /// With `pump_curve`: the narrowest hole behind a cup, mm: the cup's own or a flow resistor's.
+        /// Default 1.5: a flow resistor; an open bellows cup has 6 mm and more.
+        orifice_mm: f64, above(0.0, 100.0), default(1.5);
+        /// With `pump_curve`: share of that hole that an open cup's check valve leaves open.
+        /// Default 1: no check valves.
+        check_valve_leak: f64, SHARE, default(1.0);
+        /// With `pump_curve`: air that a sealed cup draws through the carton, l/min at 1 kPa.
+        /// Default 0: film or coated board; plain corrugated board lets 0.05 to 0.5 through a cup of 40 mm.
+        cup_leak_l_min_kpa: f64, number(0.0, 1000.0), default(0.0);
         /// Name of the robot's group output that switches the zones, one bit each; or, with a # in place of
         /// `digital_output`, of the outputs that switch one zone each, as in DO[#].
         /// Default GO_GRIPPER: one of the robot's default signals.
@@ -120,6 +139,34 @@ impl Gripper {
     }
 }
 
+fn check_pump(gripper: &Gripper, checker: &mut Checker<'_, '_>) {
+    let curve = &gripper.pump_curve;
+    let (Some(first), Some(last)) = (curve.first(), curve.last()) else {
+        return;
+    };
+    let falls = |pair: &[[f64; 2]]| pair[0][0] < pair[1][0] && pair[0][1] >= pair[1][1];
+    let is_curve = curve.len() >= 2
+        && first[0] == 0.0
+        && last[1] == 0.0
+        && curve.windows(2).all(falls);
+    if !is_curve {
+        checker.problem(
+            "pump_curve",
+            "expected two pairs or more, the vacuum rising from 0 and the flow falling to 0".to_owned(),
+            None,
+        );
+    } else if (last[0] - gripper.rated_vacuum_kpa).abs() > 1e-9 {
+        checker.problem(
+            "pump_curve",
+            format!(
+                "expected the last pair at rated_vacuum_kpa = {}, found {}",
+                gripper.rated_vacuum_kpa, last[0]
+            ),
+            None,
+        );
+    }
+}
+
 fn check_gripper(gripper: &Gripper, checker: &mut Checker<'_, '_>) {
     if gripper.switch_off >= gripper.switch_on {
         checker.problem(
@@ -131,6 +178,7 @@ fn check_gripper(gripper: &Gripper, checker: &mut Checker<'_, '_>) {
             None,
         );
     }
+    check_pump(gripper, checker);
     for (position, section) in gripper.section.iter().enumerate() {
         let output = section.digital_output;
         if gripper.section[..position]

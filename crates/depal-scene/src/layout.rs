@@ -6,7 +6,7 @@ use depal_time::{RandomStream, RandomStreams};
 
 use crate::rules::Span;
 use crate::scene::Scene;
-use crate::stack::{Cartons, PalletAxis, Pattern};
+use crate::stack::{PalletAxis, Pattern, long_and_short_mm};
 
 /// One carton at the start. Its frame: X along the long side, Z up, origin in the middle of the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,14 +24,14 @@ pub struct CartonPlacement {
 }
 
 /// Size of a tidy layer without gaps, along the pallet's X and Y, mm.
-pub(crate) fn footprint_mm(cartons: &Cartons, pattern: &Pattern) -> [f64; 2] {
-    let [x, y] = sides_mm(cartons, pattern);
+pub(crate) fn footprint_mm(size_mm: [f64; 3], pattern: &Pattern) -> [f64; 2] {
+    let [x, y] = sides_mm(size_mm, pattern);
     [x * f64::from(pattern.columns), y * f64::from(pattern.rows)]
 }
 
 /// A carton's extent along the pallet's X and Y, mm, before it is turned.
-fn sides_mm(cartons: &Cartons, pattern: &Pattern) -> [f64; 2] {
-    let [long, short] = cartons.long_and_short_mm();
+fn sides_mm(size_mm: [f64; 3], pattern: &Pattern) -> [f64; 2] {
+    let [long, short] = long_and_short_mm(size_mm);
     match pattern.long_side {
         PalletAxis::X => [long, short],
         PalletAxis::Y => [short, long],
@@ -58,19 +58,29 @@ pub fn carton_layout(scene: &Scene, streams: RandomStreams) -> Vec<CartonPlaceme
         Rotation::from_axis_angle(&Vector::z_axis(), scene.pallet.yaw_deg.to_radians()),
     );
     let mut placements = Vec::with_capacity(total);
-    if let Some((layers, pattern)) = cartons.stack() {
+    let stack = cartons
+        .stack()
+        .map(|(layers, pattern)| ([0.0; 2], cartons.size_mm, layers, pattern));
+    let blocks = cartons.block.iter();
+    let blocks = blocks.map(|b| (b.xy_mm, b.size_mm, b.layers, &b.pattern));
+    for ([x_mm, y_mm], size_mm, layers, pattern) in stack.into_iter().chain(blocks) {
+        let size = BoxSize::from_mm(size_mm);
         let side_turn = match pattern.long_side {
             PalletAxis::X => 0.0,
             PalletAxis::Y => std::f64::consts::FRAC_PI_2,
         };
         for layer in 0..layers {
-            let height_mm = scene.pallet.size_mm[2] + cartons.size_mm[2] * (f64::from(layer) + 0.5);
-            for cell in lay_layer(scene, pattern, &mut random) {
+            let height_mm = scene.pallet.size_mm[2] + size_mm[2] * (f64::from(layer) + 0.5);
+            for cell in lay_layer(scene, size_mm, pattern, &mut random) {
                 let mass_kg = random
                     .mass
                     .uniform(cartons.mass_kg.min, cartons.mass_kg.max);
                 let pallet_from_carton = Pose::from_parts(
-                    Translation3::new(cell.x_mm * 1e-3, cell.y_mm * 1e-3, height_mm * 1e-3),
+                    Translation3::new(
+                        (x_mm + cell.x_mm) * 1e-3,
+                        (y_mm + cell.y_mm) * 1e-3,
+                        height_mm * 1e-3,
+                    ),
                     Rotation::from_axis_angle(&Vector::z_axis(), side_turn + cell.yaw),
                 );
                 placements.push(CartonPlacement {
@@ -131,11 +141,16 @@ struct Slack {
     up: f64,
 }
 
-fn lay_layer(scene: &Scene, pattern: &Pattern, random: &mut Draws) -> Vec<Cell> {
+fn lay_layer(
+    scene: &Scene,
+    size_mm: [f64; 3],
+    pattern: &Pattern,
+    random: &mut Draws,
+) -> Vec<Cell> {
     let gap = scene.randomize.gap_mm;
     let most_shift = scene.randomize.shift_mm;
     let yaw_limit = scene.randomize.yaw_deg.to_radians();
-    let [half_x, half_y] = sides_mm(&scene.cartons, pattern).map(|side| side / 2.0);
+    let [half_x, half_y] = sides_mm(size_mm, pattern).map(|side| side / 2.0);
     let (columns, rows) = (pattern.columns as usize, pattern.rows as usize);
 
     let mut cells: Vec<Cell> = (0..columns * rows)

@@ -28,6 +28,7 @@ mod camera;
 mod choice;
 mod document;
 mod embedded;
+mod equip;
 mod error;
 mod files;
 mod gripper;
@@ -40,6 +41,7 @@ mod robot;
 mod rules;
 mod run;
 mod scene;
+mod solid;
 mod stack;
 mod text_file;
 mod vision;
@@ -58,8 +60,9 @@ pub use robot::{Robot, Signal, SignalKind};
 pub use rules::Span;
 pub use run::{Accept, Planner, Run};
 pub use scene::{Scene, json_schema};
+pub use solid::Solid;
 pub use stack::{
-    CartonPlace, Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize, SupportForm,
+    CartonBlock, CartonPlace, Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize, SupportForm,
 };
 pub use text_file::TextFile;
 pub use vision::{CustomPort, ProjectOutput, Recipe, Vision, VisionProject};

@@ -1,6 +1,7 @@
 //! From text to a scene.
 
 use crate::document::{Node, Place, Source, Table, Value, apply_override, merge, parse};
+use crate::equip::equip;
 use crate::error::{SceneErrors, SceneProblem};
 use crate::files::{EMBEDDED, Resolver, beside, read_text};
 use crate::reader::{Reader, Section as _};
@@ -47,6 +48,7 @@ impl Scene {
             });
             apply_override(&mut table, key, sources.len() - 1, &sources, &mut problems);
         }
+        equip(&mut table, &mut sources, resolver, &mut problems);
         let mut reader = Reader {
             sources: &sources,
             resolver,

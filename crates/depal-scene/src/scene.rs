@@ -11,8 +11,9 @@ use crate::layout::footprint_mm;
 use crate::plc::Plc;
 use crate::reader::{Checker, Section as _, section};
 use crate::robot::{Robot, SignalKind};
-use crate::rules::{Maybe, Text, table, whole};
+use crate::rules::{ListOf, Maybe, Text, table, whole};
 use crate::run::{Accept, Planner, Run};
+use crate::solid::Solid;
 use crate::stack::{Cartons, Conveyor, Pallet, Randomize};
 use crate::vision::Vision;
 use crate::viz::{Viz, VizAction};
@@ -40,6 +41,9 @@ section! {
         randomize: Randomize, table(), section;
         /// The belt that takes the cartons away.
         conveyor: Conveyor, table(), section;
+        /// What else stands in the cell.
+        /// Default: nothing.
+        solid: Vec<Solid>, ListOf(table(), 0, 200), default(Vec::new());
         /// The depth camera.
         camera: Camera, table(), section;
         /// Hand-eye calibration with command 701.
@@ -145,7 +149,7 @@ fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
     let footprint = scene
         .cartons
         .stack()
-        .map(|(_, pattern)| footprint_mm(&scene.cartons, pattern));
+        .map(|(_, pattern)| footprint_mm(scene.cartons.size_mm, pattern));
     for (axis, name) in ["X", "Y"].into_iter().enumerate() {
         let room = scene.pallet.size_mm[axis] + 200.0;
         if let Some(footprint) = footprint

@@ -1,6 +1,7 @@
 //! What stands on the floor: the pallet, the cartons on it and how untidy they are.
 
 use crate::choice::{choice, one_of};
+use crate::layout::footprint_mm;
 use crate::reader::{Checker, section};
 use crate::rules::above;
 use crate::rules::{
@@ -66,6 +67,20 @@ section! {
 }
 
 section! {
+    /// A block of equal cartons, one of several on the pallet.
+    pub struct CartonBlock {
+        /// Middle of the block from the middle of the pallet, along the pallet's X and Y, mm.
+        xy_mm: [f64; 2], Numbers::<2>(COORDINATE_MM), required;
+        /// Two sides of the top face, in either order, and the height, mm.
+        size_mm: [f64; 3], Numbers::<3>(LENGTH_MM), required;
+        /// Number of layers.
+        layers: u32, whole(1, 30), required;
+        /// How a layer is laid.
+        pattern: Pattern, table(), required;
+    }
+}
+
+section! {
     /// Where one carton lies on the pallet or platform.
     pub struct CartonPlace {
         /// Middle of the carton in the world, mm.
@@ -77,11 +92,11 @@ section! {
 }
 
 section! {
-    /// The cartons: all of one size, stacked in equal layers or lying one by one.
+    /// The cartons: all of one size, stacked in equal layers or lying one by one; or blocks of several sizes.
     pub struct Cartons {
-        /// Two sides of the top face, in either order, and the height, mm.
+        /// Two sides of the top face, in either order, and the height, mm; blocks have sizes of their own.
         size_mm: [f64; 3], Numbers::<3>(LENGTH_MM), required;
-        /// Number of layers. With `pattern`, or `at` instead of both.
+        /// Number of layers. With `pattern`, or `at` or `block` instead of both.
         /// Default: none, the cartons lie one by one.
         layers: Option<u32>, Maybe(whole(1, 30)), default(None);
         /// How a layer is laid.
@@ -90,6 +105,9 @@ section! {
         /// Cartons that lie one by one; nothing about them is random but their mass.
         /// Default: none, the cartons are stacked.
         at: Vec<CartonPlace>, ListOf(table(), 0, 500), default(Vec::new());
+        /// Blocks of cartons side by side, each of its own size and height.
+        /// Default: none, all cartons are of one size.
+        block: Vec<CartonBlock>, ListOf(table(), 0, 64), default(Vec::new());
         /// Number of cartons; the last ones of the top layer are left out.
         /// Default: columns x rows x layers.
         count: Option<u32>, Maybe(whole(1, 12_000)), default(None);
@@ -115,25 +133,29 @@ impl Cartons {
             self.count
                 .unwrap_or(pattern.columns * pattern.rows * layers)
         });
-        stacked + self.at.len() as u32
+        let blocks = self.block.iter();
+        let in_blocks: u32 = blocks
+            .map(|block| block.pattern.columns * block.pattern.rows * block.layers)
+            .sum();
+        stacked + in_blocks + self.at.len() as u32
     }
 
-    /// Longer and shorter side of the top face, mm.
-    pub(crate) fn long_and_short_mm(&self) -> [f64; 2] {
-        let [a, b, _] = self.size_mm;
-        [a.max(b), a.min(b)]
-    }
+}
+
+/// Longer and shorter side of the top face, mm.
+pub(crate) fn long_and_short_mm([a, b, _]: [f64; 3]) -> [f64; 2] {
+    [a.max(b), a.min(b)]
 }
 
 fn check_cartons(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
     let Some((layers, pattern)) = cartons.stack() else {
-        if cartons.at.is_empty() {
+        if cartons.at.is_empty() && cartons.block.is_empty() {
             for (key, is_missing) in [
                 ("layers", cartons.layers.is_none()),
                 ("pattern", cartons.pattern.is_none()),
             ] {
                 if is_missing {
-                    checker.problem(key, "missing key".to_owned(), Some("or give at = [...]"));
+                    checker.problem(key, "missing key".to_owned(), Some("or give at = [...] or block = [...]"));
                 }
             }
         } else if cartons.layers.is_some() || cartons.pattern.is_some() || cartons.count.is_some() {
@@ -142,10 +164,20 @@ fn check_cartons(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
                 "expected either a stack (layers, pattern, count) or at, found both".to_owned(),
                 None,
             );
+        } else if !cartons.at.is_empty() && !cartons.block.is_empty() {
+            checker.problem("block", "expected either block or at, found both".to_owned(), None);
         }
+        check_blocks(cartons, checker);
         check_apart(cartons, checker);
         return;
     };
+    if !cartons.block.is_empty() {
+        checker.problem(
+            "block",
+            "expected either a stack (layers, pattern, count) or block, found both".to_owned(),
+            None,
+        );
+    }
     if !cartons.at.is_empty() {
         checker.problem(
             "at",
@@ -170,12 +202,33 @@ fn check_cartons(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
     }
 }
 
+/// Blocks must not lie in one another.
+fn check_blocks(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
+    for (position, block) in cartons.block.iter().enumerate() {
+        let footprint = footprint_mm(block.size_mm, &block.pattern);
+        let meets = |other: &CartonBlock| {
+            let beside = footprint_mm(other.size_mm, &other.pattern);
+            (0..2).all(|axis| {
+                let apart = (block.xy_mm[axis] - other.xy_mm[axis]).abs();
+                apart < 0.5 * (footprint[axis] + beside[axis]) - 1e-6
+            })
+        };
+        if let Some(other) = cartons.block[..position].iter().position(meets) {
+            checker.problem(
+                "block",
+                format!("expected blocks beside each other, found {other} and {position} in one place"),
+                None,
+            );
+        }
+    }
+}
+
 /// Cartons that lie one by one must not lie in one another.
 fn check_apart(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
     for (position, place) in cartons.at.iter().enumerate() {
         let overlapped = cartons.at[..position]
             .iter()
-            .position(|other| overlap(cartons.long_and_short_mm(), place, other));
+            .position(|other| overlap(long_and_short_mm(cartons.size_mm), place, other));
         if let Some(other) = overlapped {
             checker.problem(
                 "at",

@@ -57,7 +57,7 @@ impl VisionSide {
                     let run = StepRun {
                         owner: Owner::Viz(job_id),
                         engine: self.engine.clone(),
-                        start: start.unwrap_or(home),
+                        start: start.map_or(home, |joints| of_arm(spec, &joints)),
                         box_sizes,
                         recipes,
                         picture: None,
@@ -123,6 +123,14 @@ impl VisionSide {
     }
 }
 
+/// The arm's own joints: a message always carries six.
+fn of_arm(spec: &CellSpec, joints: &JointPositions) -> JointPositions {
+    let count = spec.arm.joint_count().min(joints.len());
+    let mut own = JointPositions::zeros(spec.arm.joint_count());
+    own[..count].copy_from_slice(&joints[..count]);
+    own
+}
+
 fn note(events: &mut Vec<EventKind>, text: String) {
     events.push(EventKind::Message { text });
 }
@@ -143,7 +151,7 @@ fn start_of(spec: &CellSpec, pose: &RobotPose) -> JointPositions {
         | RobotPose::Current {
             joints: Some(joints),
             ..
-        } => *joints,
+        } => of_arm(spec, joints),
         _ => JointPositions::zeros(spec.arm.joint_count()),
     }
 }

@@ -5,7 +5,7 @@ use std::task::Poll;
 use depal_frames::nalgebra::{Rotation3, Unit};
 use depal_frames::{Pose, Vector};
 use depal_time::SimDuration;
-use depal_vm::system::{MoveId, MoveTarget, PathEvent, PathPlace, System};
+use depal_vm::system::{MoveId, MoveTarget, PathAction, PathEvent, PathPlace, System};
 use depal_vm::{CallContext, Interrupt, Outcome, RaisedError, Trigger, Value};
 
 use super::state::*;

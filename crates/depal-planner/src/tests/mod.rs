@@ -69,6 +69,7 @@ fn gripper() -> GripperSpec {
             switch_on_fraction: 0.6,
             switch_off_fraction: 0.5,
             open_cup_loss: 0.1,
+            flow: None,
             friction: 0.5,
         },
     }

@@ -2,7 +2,7 @@
 
 use depal_frames::nalgebra::Translation3;
 use depal_frames::{PlacedShape, Pose, Rotation, Vector};
-use depal_gripper::{CupSpec, GripperSpec, SectionSpec, VacuumSpec};
+use depal_gripper::{CupSpec, FlowSpec, GripperSpec, SectionSpec, VacuumSpec};
 
 use crate::gripper::Gripper;
 
@@ -56,9 +56,30 @@ pub(super) fn gripper(gripper: &Gripper) -> GripperSpec {
             switch_on_fraction: gripper.switch_on,
             switch_off_fraction: gripper.switch_off,
             open_cup_loss: gripper.open_cup_loss / cups_per_section,
+            flow: flow(gripper),
             friction: gripper.cup_friction,
         },
     }
+}
+
+/// Pump curve and leaks, if the gripper has them.
+fn flow(gripper: &Gripper) -> Option<FlowSpec> {
+    /// Cubic metres a second in a litre a minute.
+    const L_MIN: f64 = 1e-3 / 60.0;
+    if gripper.pump_curve.is_empty() {
+        return None;
+    }
+    let radius = gripper.orifice_mm * 0.5e-3;
+    Some(FlowSpec {
+        pump: gripper
+            .pump_curve
+            .iter()
+            .map(|[kpa, l_min]| [kpa * 1e3, l_min * L_MIN])
+            .collect(),
+        orifice: std::f64::consts::PI * radius * radius,
+        open_share: gripper.check_valve_leak,
+        porosity: gripper.cup_leak_l_min_kpa * L_MIN * 1e-3,
+    })
 }
 
 /// Plate above the cups, and the post from the plate to the flange, in the tool frame.

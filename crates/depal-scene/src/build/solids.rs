@@ -5,6 +5,7 @@ use depal_frames::{PlacedShape, Pose, Rotation, Vector};
 use depal_world::{ConveyorSpec, FixedBody};
 
 use crate::scene::Scene;
+use crate::solid::Solid;
 use crate::stack::{Conveyor, Pallet, SupportForm};
 
 /// Pose from a position in mm and a turn about Z in degrees.
@@ -134,7 +135,16 @@ pub(super) fn fixed_bodies(scene: &Scene) -> Vec<FixedBody> {
     if !legs.is_empty() {
         bodies.push(FixedBody::standing("conveyor legs", legs));
     }
+    for solid in scene.solid.iter().filter(|solid| solid.body) {
+        bodies.push(FixedBody::standing(&solid.name, vec![block(solid)]));
+    }
     bodies
+}
+
+fn block(solid: &Solid) -> PlacedShape {
+    let size = Vector::from(solid.size_mm) * 1e-3;
+    let middle = Pose::translation(0.0, 0.0, 0.5 * size.z);
+    PlacedShape::cuboid(pose_mm_yaw(solid.xyz_mm, solid.yaw_deg) * middle, size)
 }
 
 /// What a planner is told about the cell, world frame: floor, the pallet as one block, the belt down
@@ -144,9 +154,11 @@ pub(super) fn known_obstacles(scene: &Scene) -> Vec<PlacedShape> {
     let world_from_top = pose_mm_yaw(scene.conveyor.xyz_mm, scene.conveyor.yaw_deg);
     let height = world_from_top.translation.z;
     let belt = world_from_top * Pose::translation(0.0, 0.0, -0.5 * height);
-    vec![
+    let mut obstacles = vec![
         floor(),
         pallet_block(&scene.pallet),
         PlacedShape::cuboid(belt, Vector::new(belt_size.x, belt_size.y, height)),
-    ]
+    ];
+    obstacles.extend(scene.solid.iter().filter(|solid| solid.known).map(block));
+    obstacles
 }

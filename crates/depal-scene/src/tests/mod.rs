@@ -2,6 +2,7 @@
 
 mod calibration;
 mod documentation;
+mod grippers;
 mod interface;
 mod layout;
 mod loading;
