@@ -38,7 +38,7 @@ const ROWS: [&[&str]; 6] = [
 const WITHIN_ROW: [(&str, &str); 1] = [("depal-motion", "depal-arm")];
 
 /// What a room must never know, whatever the rows allow.
-const FORBIDDEN: [(&str, &[&str]); 7] = [
+const FORBIDDEN: [(&str, &[&str]); 8] = [
     (
         "depal-vision",
         &["depal-world", "depal-camera", "depal-cell", "depal-gripper"],

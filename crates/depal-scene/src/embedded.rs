@@ -32,6 +32,18 @@ const FILES: &[(&str, &str)] = &[
         include_str!("../../../assets/grippers/single_cup.toml"),
     ),
     (
+        "assets/krl/mm_module.src",
+        include_str!("../../../assets/krl/mm_module.src"),
+    ),
+    (
+        "assets/krl/mm_module.dat",
+        include_str!("../../../assets/krl/mm_module.dat"),
+    ),
+    (
+        "assets/krl/XML_Kuka_MMIND.xml",
+        include_str!("../../../assets/krl/XML_Kuka_MMIND.xml"),
+    ),
+    (
         "urdf/abb_irb6700_150_320.urdf",
         include_str!("../../../urdf/abb_irb6700_150_320.urdf"),
     ),

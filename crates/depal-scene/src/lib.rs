@@ -33,6 +33,7 @@ mod error;
 mod files;
 mod gripper;
 mod interface;
+mod language;
 mod layout;
 mod load;
 mod plc;
@@ -47,22 +48,24 @@ mod text_file;
 mod vision;
 mod viz;
 
-pub use build::{BuildError, Built, load_program};
+pub use build::{BuildError, Built};
 pub use calibration::{Board, BoardMounting, Calibration};
 pub use camera::{Camera, SensorPreset};
 pub use error::{SceneErrors, SceneProblem};
 pub use files::{Resolver, read_text};
 pub use gripper::{Gripper, GripperSection};
 pub use interface::{Interface, InterfaceProfile, Latency, RobotBrand, WireEncoding};
+pub use language::Language;
 pub use layout::{CartonPlacement, carton_layout};
 pub use plc::{BranchChoice, PathFetch, PathSource, Plc};
-pub use robot::{Robot, Signal, SignalKind};
+pub use robot::{HexByteOrder, Robot, Signal, SignalKind};
 pub use rules::Span;
 pub use run::{Accept, Planner, Run};
 pub use scene::{Scene, json_schema};
 pub use solid::Solid;
 pub use stack::{
-    CartonBlock, CartonPlace, Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize, SupportForm,
+    CartonBlock, CartonPlace, Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize,
+    SupportForm,
 };
 pub use text_file::TextFile;
 pub use vision::{CustomPort, ProjectOutput, Recipe, Vision, VisionProject};

@@ -1,6 +1,7 @@
 //! The arm, its cabinet and the program that it runs.
 
 use crate::choice::{choice, one_of};
+use crate::language::Language;
 use crate::reader::{Checker, section};
 use crate::rules::{
     ANGLE_DEG, COORDINATE_MM, ListOf, Numbers, OneOrMore, Text, above, number, table, whole,
@@ -18,6 +19,16 @@ choice! {
         GroupInput = "gi",
         /// Group output, a number of several bits.
         GroupOutput = "go",
+    }
+}
+
+choice! {
+    /// Order of the bytes in a cell.
+    pub enum HexByteOrder {
+        /// Most significant byte first.
+        Big = "big",
+        /// Least significant byte first.
+        Little = "little",
     }
 }
 
@@ -72,9 +83,12 @@ section! {
         /// Program files: one, or a list that is loaded in this order.
         /// Default none: the arm is run by the controller of `[plc]`.
         program: Vec<TextFile>, OneOrMore(File, 32), default(Vec::new());
-        /// The interface module that programs call.
-        /// Default: the module inside the program, in the manner of interface version 1.8.
-        module: TextFile, File, file("embedded:assets/rapid/MM_Module.mod");
+        /// Files of the interface module that programs call: one, or a list.
+        /// Default: the module of the program's language inside depal; TP needs none.
+        module: Vec<TextFile>, OneOrMore(File, 8), default(Vec::new());
+        /// Byte order of the vision calls that are built into TP; other languages pack their bytes themselves.
+        /// Default big: controllers up to version 9.
+        hex_byte_order: HexByteOrder, one_of(), default(HexByteOrder::Big);
         /// Foot of the arm in the world, mm.
         /// Default: the origin.
         base_xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), default([0.0; 3]);
@@ -102,7 +116,45 @@ section! {
     check check_robot;
 }
 
+impl Robot {
+    /// The language of the program: that of its first file.
+    pub fn language(&self) -> Language {
+        let first = self.program.first();
+        first
+            .and_then(|file| Language::of(&file.path))
+            .unwrap_or(Language::Rapid)
+    }
+}
+
+/// One language for all files of the program and its module.
+fn check_languages(robot: &Robot, checker: &mut Checker<'_, '_>) {
+    let language = robot.language();
+    let files = [("program", &robot.program), ("module", &robot.module)];
+    for (key, file) in files
+        .iter()
+        .flat_map(|(key, files)| files.iter().map(move |file| (*key, file)))
+    {
+        let message = match Language::of(&file.path) {
+            Some(found) if found == language => continue,
+            Some(found) => format!(
+                "expected files of one language, found {} beside {} in {}",
+                found.name(),
+                language.name(),
+                file.path
+            ),
+            None => format!(
+                "expected a program of a language known here, found {}",
+                file.path
+            ),
+        };
+        let hint =
+            "RAPID ends in .mod, .sys, .prg, .modx or .sysx, KRL in .src, .dat or .xml, TP in .ls";
+        checker.problem(key, message, Some(hint));
+    }
+}
+
 fn check_robot(robot: &Robot, checker: &mut Checker<'_, '_>) {
+    check_languages(robot, checker);
     if robot.start_joints_deg.len() != robot.acceleration_deg_s2.len() {
         checker.problem(
             "acceleration_deg_s2",

@@ -50,7 +50,11 @@
 //! - Measured sides along the pixel grid are uncertain by one to two pixels, others by less than one.
 //! - The known sizes must differ by more than the size tolerance plus two pixels.
 
-#![allow(clippy::needless_bitwise_bool, clippy::inline_always, clippy::manual_range_contains)]
+#![allow(
+    clippy::needless_bitwise_bool,
+    clippy::inline_always,
+    clippy::manual_range_contains
+)]
 
 mod arrange;
 pub mod calibration;

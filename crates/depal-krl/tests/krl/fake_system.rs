@@ -119,7 +119,9 @@ pub fn run_files(files: &[(&str, &str)]) -> Vec<String> {
         Step::Finished => {}
         Step::Failed(error) => {
             let report = error.report(system.now);
-            system.trace.push(report.lines().next().unwrap_or_default().into());
+            system
+                .trace
+                .push(report.lines().next().unwrap_or_default().into());
         }
         end => system.trace.push(format!("{end:?}")),
     }
@@ -233,9 +235,7 @@ impl System for FakeSystem {
             }));
         }
         let (target, to) = match &request.target {
-            MoveTarget::Joints(joints) => {
-                (format!("joints {:.1?}", joints.to_degrees()), *joints)
-            }
+            MoveTarget::Joints(joints) => (format!("joints {:.1?}", joints.to_degrees()), *joints),
             MoveTarget::Tcp(pose) | MoveTarget::Arc { to: pose, .. } => {
                 let [x, y, z, a, b, c] = EulerConvention::KukaAbc.mm_deg_from_pose(pose);
                 let round = |v: f64| (v * 10.0).round() / 10.0 + 0.0;

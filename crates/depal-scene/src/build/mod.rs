@@ -31,8 +31,6 @@ use crate::layout::carton_layout;
 use crate::robot::{Signal, SignalKind};
 use crate::scene::Scene;
 
-pub use program::load_program;
-
 /// A scene that is ready to run.
 pub struct Built {
     /// The cell.
@@ -97,7 +95,7 @@ impl Scene {
                 warnings: Vec::new(),
             });
         }
-        let program = load_program(&self.robot)?;
+        let program = program::load_program(&self.robot, &spec)?;
         Ok(Built {
             spec,
             task: program.task,
@@ -147,6 +145,7 @@ impl Scene {
         let driven = scaled(&arm, robot.velocity_scale)?;
         let mut controller = ControllerSpec::new("rob1", driven, start);
         controller.signals = robot.signal.iter().map(signal).collect();
+        controller.families = robot.language().signal_families();
         controller.statement_cost = SimDuration::from_nanos((robot.statement_cost_us * 1e3) as u64);
 
         let world_from_base = solids::pose_mm_yaw(robot.base_xyz_mm, robot.base_yaw_deg);

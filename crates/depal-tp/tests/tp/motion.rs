@@ -11,7 +11,13 @@ fn moves(text: &[&str]) -> Vec<String> {
 #[test]
 fn joint_linear_and_circular() {
     assert_eq!(
-        moves(&["J P[1] 50% FINE", "L P[2:over] 250mm/sec CNT50", "C P[1]", "L P[2] 600cm/min FINE"]).len(),
+        moves(&[
+            "J P[1] 50% FINE",
+            "L P[2:over] 250mm/sec CNT50",
+            "C P[1]",
+            "L P[2] 600cm/min FINE"
+        ])
+        .len(),
         4
     );
 }

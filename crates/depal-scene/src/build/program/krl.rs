@@ -1,0 +1,25 @@
+use depal_vm::SourceFile;
+
+use super::Translated;
+use crate::language::Language;
+
+/// KRL files with the Ethernet channels among them, which are moved behind the others.
+pub(super) fn load(sources: &mut Vec<SourceFile>, entry: &str) -> Translated {
+    debug_assert!(
+        sources
+            .iter()
+            .all(|source| Language::of(&source.name) == Some(Language::Krl))
+    );
+    let is_channel = |source: &SourceFile| source.name.to_ascii_lowercase().ends_with(".xml");
+    sources.sort_by_key(is_channel);
+    let texts = sources.partition_point(|source| !is_channel(source));
+    let (programs, channels) = sources.split_at(texts);
+    // Every input and output of the numbered arrays is there.
+    let (loaded, _) = depal_krl::load_with_auto_signals(programs, &[], entry);
+    let loaded = loaded.with_channels(programs.len(), channels);
+    Translated {
+        program: loaded.program,
+        diagnostics: loaded.diagnostics,
+        task_name: "ROBOT",
+    }
+}
