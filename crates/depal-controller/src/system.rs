@@ -3,8 +3,8 @@ use std::task::Poll;
 use depal_frames::{JointPositions, Pose};
 use depal_time::{SimDuration, SimTime};
 use depal_vm::system::{
-    Fault, LogKind, MoveId, MoveRequest, PathAction, PathEvent, ProgramLocation, Question, Received, SocketId,
-    SocketState, System,
+    Fault, LogKind, MoveId, MoveRequest, PathAction, PathEvent, ProgramLocation, Question,
+    Received, SocketId, SocketState, System,
 };
 
 use crate::{Cabinet, ControllerEvent, Network};

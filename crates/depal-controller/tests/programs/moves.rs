@@ -103,10 +103,7 @@ fn configuration_is_reached_or_refused() {
     let flip = "p0.robconf.cf4 := p0.robconf.cf4 - 2;\np0.robconf.cf6 := p0.robconf.cf6 - 2;\n";
     // Away from the singularity, with joints 4 and 6 inside their quarters.
     let away = "MoveAbsJ [[10,10,10,20,60,20],[9E9,9E9,9E9,9E9,9E9,9E9]],v1000,fine,tTool;\np0 := CRobT(\\Tool:=tTool);\n";
-    let told = run(&format!(
-        "{away}{flip}MoveJ p0,v1000,fine,tTool;"
-    ))
-    .finished();
+    let told = run(&format!("{away}{flip}MoveJ p0,v1000,fine,tTool;")).finished();
     let degrees = told.joints[told.joints.len() - 1].to_degrees();
     assert!(
         (degrees[3] + 160.0).abs() < 0.1 && degrees[4] < 0.0,
@@ -119,9 +116,7 @@ fn configuration_is_reached_or_refused() {
     let degrees = told.joints[told.joints.len() - 1].to_degrees();
     assert!((degrees[3] - 20.0).abs() < 0.1, "{degrees:?}");
     // A line cannot flip the wrist.
-    let told = run(&format!(
-        "{away}{flip}MoveL p0,v1000,fine,tTool;"
-    ));
+    let told = run(&format!("{away}{flip}MoveL p0,v1000,fine,tTool;"));
     assert_eq!(told.failure(), ("ERR_ROBLIMIT".to_owned(), 6));
     let told = run(&format!(
         "{away}{flip}ConfL\\Off;\nConfL\\On;\nMoveL p0,v1000,fine,tTool;"

@@ -123,7 +123,10 @@ fn an_interrupt_comes_at_a_level() {
     };
     let above = "ISignalAI ai1,AIO_ABOVE_HIGH,5,0,1,iPassed;";
     assert_eq!(lines(above), ["6", "9"]);
-    assert_eq!(lines(&above.replace("ISignalAI ", "ISignalAI\\Single,")), ["6"]);
+    assert_eq!(
+        lines(&above.replace("ISignalAI ", "ISignalAI\\Single,")),
+        ["6"]
+    );
     assert_eq!(lines(&above.replace(",1,", ",0.1,")), ["6", "6.5", "9"]);
     assert_eq!(lines(&above.replace("ABOVE_HIGH,5", "BELOW_HIGH,5")), ["2"]);
     assert_eq!(
@@ -134,6 +137,12 @@ fn an_interrupt_comes_at_a_level() {
         lines("ISignalAI ai1,AIO_ALWAYS,5,0,1\\DPos,iPassed;"),
         ["2", "6", "9"]
     );
-    assert_eq!(lines("ISignalAI ai1,AIO_BETWEEN,7,6,0,iPassed;"), ["6", "6.5"]);
-    assert_eq!(lines("ISignalAI ai1,AIO_OUTSIDE,7,3,0,iPassed;"), ["2", "9"]);
+    assert_eq!(
+        lines("ISignalAI ai1,AIO_BETWEEN,7,6,0,iPassed;"),
+        ["6", "6.5"]
+    );
+    assert_eq!(
+        lines("ISignalAI ai1,AIO_OUTSIDE,7,3,0,iPassed;"),
+        ["2", "9"]
+    );
 }

@@ -68,7 +68,12 @@ fn interrupt<'a>(
     })
 }
 
-pub(super) fn order(context: &mut CallContext<'_>, argument: usize, once: bool, trigger: Trigger) -> Ran {
+pub(super) fn order(
+    context: &mut CallContext<'_>,
+    argument: usize,
+    once: bool,
+    trigger: Trigger,
+) -> Ran {
     let interrupt = interrupt(context, argument)?;
     if !matches!(interrupt.trigger, Trigger::None) {
         return Err(context.argument_error(

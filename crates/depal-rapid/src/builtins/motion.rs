@@ -4,7 +4,8 @@ use std::task::Poll;
 
 use depal_frames::{Point, Pose};
 use depal_vm::system::{
-    MoveId, MoveKind, MoveRequest, MoveSpeed, MoveTarget, MoveZone, PathAction, PathEvent, PathPlace, System,
+    MoveId, MoveKind, MoveRequest, MoveSpeed, MoveTarget, MoveZone, PathAction, PathEvent,
+    PathPlace, System,
 };
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 

@@ -101,9 +101,8 @@ impl Translator<'_> {
         let values: Result<Vec<_>, _> = self.stack.iter().map(value).collect();
         let mut values = values?;
         let arguments = values.split_off(below);
-        let is_kept = |(i, (operand, _)): &(usize, &(Operand, Kind))| {
-            *operand == Operand::Stacked(*i as u32)
-        };
+        let is_kept =
+            |(i, (operand, _)): &(usize, &(Operand, Kind))| *operand == Operand::Stacked(*i as u32);
         let kept = values.iter().enumerate().take_while(is_kept).count();
         let index = self.plain.calls.len() as u32;
         self.plain.calls.push(CallSite {

@@ -61,7 +61,11 @@ impl Lowering {
             }
             Number::Call(inner) | Number::Recursion(inner) => {
                 self.number(inner);
-                let routine = if matches!(number, Number::Call(_)) { 1 } else { 2 };
+                let routine = if matches!(number, Number::Call(_)) {
+                    1
+                } else {
+                    2
+                };
                 self.emit(Op::Call {
                     routine,
                     arguments: 1,
