@@ -3,7 +3,9 @@ use std::collections::{BTreeMap, VecDeque};
 use std::task::Poll;
 
 use depal_frames::JointPositions;
-use depal_motion::{Interpolation, Segment, SegmentId, SegmentTarget, Speed, Trajectory, Zone};
+use depal_motion::{
+    Interpolation, MotionError, Segment, SegmentId, SegmentTarget, Speed, Trajectory, Zone,
+};
 use depal_time::{SimDuration, SimTime};
 use depal_vm::system::{
     Fault, MoveId, MoveKind, MoveRequest, MoveTarget, MoveZone, PathEvent, ProgramLocation,
@@ -108,8 +110,10 @@ impl MotionQueue {
         let id = match self.trajectory.append(seconds, &segment(request)) {
             Ok(id) => MoveId(id.0),
             Err(error) => {
-                return Poll::Ready(Err(Fault::OutOfReach {
-                    message: error.to_string(),
+                let message = error.to_string();
+                return Poll::Ready(Err(match error {
+                    MotionError::Configuration { .. } => Fault::Configuration { message },
+                    _ => Fault::OutOfReach { message },
                 }));
             }
         };

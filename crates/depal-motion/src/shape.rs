@@ -362,8 +362,9 @@ fn line(
     }
 }
 
-/// How far beside a quarter turn a joint still counts as in it, radians.
-const QUARTER_MARGIN: f64 = 1e-3;
+/// How far beside a quarter turn a joint still counts as in it, radians: 45 degrees, half a quarter, so that a target
+/// taught at the edge of a quarter and moved a little keeps its configuration. Our choice, not a manual's.
+const QUARTER_MARGIN: f64 = std::f64::consts::FRAC_PI_4;
 
 /// The first of joints 1, 4 and 6 that is not in its quarter turn (0: from 0 to 90 degrees), from 1, with its quarter.
 fn off_quarters(joints: &JointPositions, quarters: [i32; 3]) -> Option<(usize, i32)> {

@@ -5,13 +5,10 @@
 #![allow(clippy::disallowed_methods)] // A stop watch is what a bench is for.
 
 use std::process::Command;
-use std::task::Poll;
 use std::time::Instant;
 
-use depal_frames::{JointPositions, Pose};
-use depal_time::SimTime;
 use depal_vm::execution::{RobotTask, Step};
-use depal_vm::system::*;
+use depal_vm::system::EmptyCabinet;
 use depal_vm::{Machine, SourceFile, Value};
 
 /// Each case: name, module data and routines, statements of main with the result in `s`, and the same in Python.
@@ -54,75 +51,8 @@ const CASES: [(&str, &str, &str, &str); 6] = [
     ),
 ];
 
-/// Only counts statements.
-#[derive(Default)]
-struct Counting {
-    statements: u64,
-    in_cycle: u32,
-}
-
+/// Statements that fit into a cycle of 4 ms.
 const PER_CYCLE: u32 = 200;
-
-impl System for Counting {
-    fn spare_statements(&self) -> u32 {
-        PER_CYCLE - 1 - self.in_cycle
-    }
-    fn statements_ran(&mut self, count: u32) {
-        self.statements += u64::from(count);
-        self.in_cycle += count;
-    }
-    fn statement(&mut self, _: &ProgramLocation) {
-        self.statements += 1;
-    }
-    fn now(&self) -> SimTime {
-        SimTime::ZERO
-    }
-    fn signal(&self, name: &str) -> Result<f64, Fault> {
-        Err(Fault::UnknownSignal(name.to_owned()))
-    }
-    fn set_signal(&mut self, name: &str, _: f64) -> Result<(), Fault> {
-        Err(Fault::UnknownSignal(name.to_owned()))
-    }
-    fn start_move(&mut self, _: &MoveRequest) -> Poll<Result<MoveId, Fault>> {
-        Poll::Pending
-    }
-    fn is_move_done(&self, _: MoveId) -> Result<bool, Fault> {
-        Ok(true)
-    }
-    fn is_standing(&self) -> bool {
-        true
-    }
-    fn stop_motion(&mut self) {}
-    fn joints(&self) -> JointPositions {
-        JointPositions::from_degrees(&[0.0; 6])
-    }
-    fn planned_joints(&self) -> JointPositions {
-        self.joints()
-    }
-    fn forward(&self, _: &JointPositions) -> Pose {
-        Pose::identity()
-    }
-    fn inverse(&self, _: &Pose, near: &JointPositions) -> Result<JointPositions, Fault> {
-        Ok(*near)
-    }
-    fn socket_create(&mut self) -> SocketId {
-        SocketId(0)
-    }
-    fn socket_connect(&mut self, _: SocketId, _: &str, _: u16) -> Poll<Result<(), Fault>> {
-        Poll::Pending
-    }
-    fn socket_send(&mut self, _: SocketId, _: &[u8]) -> Result<(), Fault> {
-        Ok(())
-    }
-    fn socket_receive(&mut self, _: SocketId, _: usize) -> Poll<Result<Received, Fault>> {
-        Poll::Pending
-    }
-    fn socket_close(&mut self, _: SocketId) {}
-    fn socket_state(&self, _: SocketId) -> SocketState {
-        SocketState::Closed
-    }
-    fn log(&mut self, _: LogKind, _: &ProgramLocation, _: &str) {}
-}
 
 /// Runs to the end: seconds, statements, and the number in `s`.
 fn ours(data: &str, statements: &str) -> (f64, u64, f64) {
@@ -132,17 +62,12 @@ fn ours(data: &str, statements: &str) -> (f64, u64, f64) {
     let loaded = depal_rapid::load(&source, &[], "main");
     let program = loaded.program.expect("the programs of the bench are right");
     let mut machine = Machine::new(program, "T_ROB1");
-    let mut system = Counting::default();
+    let mut system = EmptyCabinet::new(PER_CYCLE);
     let begun = Instant::now();
-    while machine.step(&mut system) == Step::Ran {
-        system.in_cycle += 1;
-        if system.in_cycle >= PER_CYCLE {
-            system.in_cycle = 0;
-        }
-    }
+    while machine.step(&mut system) == Step::Ran {}
     let seconds = begun.elapsed().as_secs_f64();
     let result = machine.global("s").and_then(Value::as_number);
-    (seconds, system.statements, result.unwrap_or(f64::NAN))
+    (seconds, system.statements(), result.unwrap_or(f64::NAN))
 }
 
 /// The same in Python: seconds and result.

@@ -86,7 +86,9 @@ pub(crate) fn raise(fault: &MachineFault) -> RaisedError {
     let name = match fault {
         MachineFault::System(Fault::UnknownSignal(_)) => "ERR_NO_ALIASIO_DEF",
         MachineFault::System(Fault::SignalValue { .. }) => "ERR_SIG_NOT_VALID",
-        MachineFault::System(Fault::OutOfReach { .. }) => "ERR_ROBLIMIT",
+        MachineFault::System(Fault::OutOfReach { .. } | Fault::Configuration { .. }) => {
+            "ERR_ROBLIMIT"
+        }
         MachineFault::System(Fault::MotionSupervision { .. }) => "ERR_MOTIONSUP",
         MachineFault::System(Fault::SocketClosed) => "ERR_SOCK_CLOSED",
         MachineFault::System(Fault::SocketState { .. }) => "ERR_SOCK_NOT_CONN",
@@ -103,5 +105,11 @@ pub(crate) fn raise(fault: &MachineFault) -> RaisedError {
         MachineFault::NoReturnValue { .. } => "ERR_NORETURN",
         _ => "ERR_ARGVALERR",
     };
-    error(name, fault.to_string())
+    let mend = match fault {
+        MachineFault::System(Fault::Configuration { .. }) => {
+            "; teach the target anew, or take the nearest configuration with ConfJ \\Off or, for lines, ConfL \\Off"
+        }
+        _ => "",
+    };
+    error(name, format!("{fault}{mend}"))
 }

@@ -27,7 +27,7 @@ pub struct OpenRule {
 }
 
 /// All of them.
-pub const OPEN_RULES: [OpenRule; 10] = [
+pub const OPEN_RULES: [OpenRule; 11] = [
     OpenRule {
         question: "Does a FOR without STEP count down when its start is above its end?",
         answer: "Yes, by 1. FOR i FROM 1 TO 0 runs twice.",
@@ -87,5 +87,11 @@ pub const OPEN_RULES: [OpenRule; 10] = [
         answer: "With the value at the last interrupt, before the first with that when it was ordered; the interrupt comes when the difference is larger and the condition holds.",
         example: "TPWrite ValToStr(AIO_ABOVE_HIGH) + ValToStr(AIO_ALWAYS);",
         output: &["17"],
+    },
+    OpenRule {
+        question: "How exactly must a joint stand in the quarter turn that the configuration data of a target name, while ConfJ or ConfL is on?",
+        answer: "In it, or at most 45 degrees beside it. Both are on from the start, as on the controller; ConfJ \\Off and ConfL \\Off take the nearest solution. cfx is not looked at.",
+        example: "ConfJ \\Off; ConfL \\On; TPWrite \"a line must end in its quarters, a joint move need not\";",
+        output: &["a line must end in its quarters, a joint move need not"],
     },
 ];

@@ -108,6 +108,7 @@ fn fault_text(fault: &Fault) -> String {
         Fault::UnknownSignal(name) => format!("there is no signal {name}"),
         Fault::SignalValue { signal, message } => format!("signal {signal}: {message}"),
         Fault::OutOfReach { message } => format!("out of reach: {message}"),
+        Fault::Configuration { message } => format!("arm configuration: {message}"),
         Fault::MotionSupervision { message } => format!("motion supervision: {message}"),
         Fault::SocketClosed => {
             "the socket is closed, or the other side refused or closed it".into()

@@ -44,6 +44,7 @@
 
 mod builtin;
 mod diagnostic;
+mod empty_cabinet;
 mod error;
 pub mod execution;
 mod host_state;

@@ -9,6 +9,8 @@ use std::task::Poll;
 use depal_frames::{JointPositions, Point, Pose};
 use depal_time::{SimDuration, SimTime};
 
+pub use crate::empty_cabinet::EmptyCabinet;
+
 /// Where in the user's program something was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct ProgramLocation {
@@ -155,6 +157,11 @@ pub enum Fault {
     /// No joint solution: out of reach, or a joint limit.
     OutOfReach {
         /// Which target or joint, with numbers.
+        message: String,
+    },
+    /// The target can be reached, but not in the arm configuration that it asks for.
+    Configuration {
+        /// Which joint, with numbers.
         message: String,
     },
     /// The motion supervision stopped the arm (collision).

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{ControllerError, ControllerState};
+use crate::{ControllerError, ControllerState, TaskRole};
 
 #[test]
 fn statement_costs_time_and_a_cycle_ends() {
@@ -180,4 +180,112 @@ fn saved_state_runs_on_alike() {
     let b = run_from(&mut copy, &mut NoNetwork, start, 300);
     assert_eq!(a, b);
     assert!(a.1[0].max_distance(&a.1[300]) > 0.1, "it was under way");
+}
+
+/// A task that waits to be started runs when another starts it, from that time on; no other name can be started.
+#[test]
+fn a_task_starts_another() {
+    let first = Script::new()
+        .set("doVacuum", 1.0)
+        .then(|system| {
+            assert!(system.start_task("T_NONE").is_err());
+            Poll::Ready(system.start_task("t_later"))
+        })
+        .then(|system| {
+            assert!(system.start_task("T_LATER").is_err(), "it runs already");
+            Poll::Ready(Ok(()))
+        });
+    let later = Script::new().then(|system| {
+        assert_eq!((system.task_number(), system.task_moves_arm()), (2, false));
+        Poll::Ready(system.set_signal("goSections", 3.0))
+    });
+    let mut controller = Controller::new(spec()).unwrap();
+    controller.add_task(TaskRole::motion("T_ROB1"), Box::new(first));
+    let role = TaskRole {
+        waits_for_start: true,
+        moves_arm: false,
+        ..TaskRole::motion("T_LATER")
+    };
+    controller.add_task(role, Box::new(later));
+    let states = |controller: &Controller| -> Vec<ControllerState> {
+        controller.task_states().map(|(_, s)| s.clone()).collect()
+    };
+    assert_eq!(
+        states(&controller),
+        [ControllerState::Running, ControllerState::Idle]
+    );
+    let (events, _) = run(&mut controller, &mut NoNetwork, 3);
+    assert!(edge(&events, "goSections") > edge(&events, "doVacuum"));
+    assert_eq!(*controller.state(), ControllerState::Finished);
+}
+
+/// A saved cabinet with its tasks runs on as the original does, whatever they share and wait for.
+#[test]
+fn several_tasks_are_saved_with_their_cabinet() {
+    let role = |name: &str, moves_arm| TaskRole {
+        moves_arm,
+        ..TaskRole::motion(name)
+    };
+    let machine = |shared: bool| {
+        use depal_vm::{BinaryOp, Machine, Op, Program, Routine, SharedDatum, Value};
+        // Counts one datum up for ever, by 1 or by 3.
+        let step = if shared { 3.0 } else { 1.0 };
+        let code = vec![
+            Op::Statement { line: 1, next: 5 },
+            Op::LoadGlobal(0),
+            Op::Push(Value::Num(step)),
+            Op::Binary(BinaryOp::Add),
+            Op::StoreGlobal(0),
+            Op::Jump(0),
+        ];
+        let program = Program {
+            routines: vec![Routine {
+                code,
+                ..Routine::default()
+            }],
+            globals: vec![Value::Num(0.0)],
+            global_names: vec!["count".into()],
+            shared: vec![SharedDatum {
+                name: "count".into(),
+                kind: "num".into(),
+                global: 0,
+                has_value: true,
+            }],
+            ..Program::default()
+        };
+        Machine::new(Arc::new(program), if shared { "B" } else { "A" })
+    };
+    let value = |controller: &Controller| format!("{:?}", controller.cabinet());
+    let tick = |controller: &mut Controller, cycle: u32| {
+        let at = SimTime::ZERO + SimDuration::from_millis(4 * u64::from(cycle));
+        controller.tick(at, &mut NoNetwork);
+    };
+    let mut original = Controller::new(spec()).unwrap();
+    original.add_task(role("A", true), Box::new(machine(false)));
+    original.add_task(role("B", false), Box::new(machine(true)));
+    for cycle in 0..3 {
+        tick(&mut original, cycle);
+    }
+    // 200 statements of each task a cycle; a cycle adds 200 and 600.
+    let counted = value(&original);
+    assert!(counted.contains("Num(2400.0)"), "{counted}");
+    let mut again = Controller::new(spec()).unwrap();
+    again.add_task(role("A", true), Box::new(machine(false)));
+    again.add_task(role("B", false), Box::new(machine(true)));
+    for cycle in 0..3 {
+        tick(&mut again, cycle);
+    }
+    assert_eq!(counted, value(&again), "two runs are equal");
+    // The machines are plain data: the copies stand where the originals do.
+    let copies = [machine(false), machine(true)].map(|mut copy| {
+        let total = depal_vm::Value::Num(2400.0);
+        depal_vm::execution::RobotTask::set_shared(&mut copy, 0, total);
+        Box::new(copy) as Box<dyn RobotTask>
+    });
+    let mut copy = Controller::resume(original.cabinet().clone(), copies);
+    for cycle in 3..5 {
+        tick(&mut original, cycle);
+        tick(&mut copy, cycle);
+    }
+    assert_eq!(value(&original), value(&copy));
 }

@@ -1,5 +1,6 @@
 //! RAPID programs on the cabinet with an arm: what the arm and the outputs do, and when.
 
+mod costs;
 mod dialogs;
 mod files;
 mod free;

@@ -48,33 +48,72 @@ pub(super) const ENTRIES: [Entry; 9] = [
 struct Asked {
     instruction: &'static str,
     text: String,
-    /// Arguments: the time limit, the input that breaks off, and the variable that then tells why.
+    /// The argument that limits the time.
     max_time: usize,
-    break_input: usize,
-    break_flag: usize,
 }
 
-/// The answer; `None` while nobody answers. With a break flag, being broken off is no error and the answer is empty.
+impl Asked {
+    /// A question whose arguments stand as in `\\Header \\Message | MsgArray \\Wrap .. \\MaxTime \\DIBreak ..`, the text
+    /// from argument 1 on.
+    fn new(
+        context: &CallContext<'_>,
+        instruction: &'static str,
+        max_time: usize,
+    ) -> Result<Self, RaisedError> {
+        Ok(Self {
+            instruction,
+            text: text(context, 1)?,
+            max_time,
+        })
+    }
+}
+
+/// What came of a question.
+enum Reply {
+    Waiting,
+    /// The time is over or the signal came, and the program has a variable that tells it so.
+    BrokenOff,
+    Answer(String),
+}
+
+/// Asks, and makes a result of the answer; `otherwise` is that of a question that was broken off.
+fn answered(
+    context: &mut CallContext<'_>,
+    system: &mut dyn System,
+    asked: Asked,
+    otherwise: Value,
+    result: impl FnOnce(&mut CallContext<'_>, &str) -> Result<Value, RaisedError>,
+) -> Ran {
+    Ok(match ask(context, system, asked)? {
+        Reply::Waiting => Outcome::Blocked,
+        Reply::BrokenOff => Outcome::Done(otherwise),
+        Reply::Answer(answer) => Outcome::Done(result(context, &answer)?),
+    })
+}
+
+/// The answer. Without a break flag, being broken off is an error.
 fn ask(
     context: &mut CallContext<'_>,
     system: &mut dyn System,
     asked: Asked,
-) -> Result<Option<String>, RaisedError> {
+) -> Result<Reply, RaisedError> {
+    // `\\DIBreak \\DIPassive \\DOBreak \\DOPassive \\BreakFlag` stand behind the time limit everywhere.
+    let (break_input, break_flag) = (asked.max_time + 1, asked.max_time + 5);
     let question = Question {
         instruction: asked.instruction,
         text: asked.text,
     };
     if let Poll::Ready(answer) = system.answer(&question) {
-        return Ok(Some(answer));
+        return Ok(Reply::Answer(answer));
     }
     let late = match context.optional_number(asked.max_time)? {
         Some(limit) => context.elapsed(system.now()).as_secs_f64() >= limit,
         None => false,
     };
-    let broken = if context.is_given(asked.break_input) {
-        let signal = context.signal(asked.break_input)?;
+    let broken = if context.is_given(break_input) {
+        let signal = context.signal(break_input)?;
         // \DIPassive breaks off on 0 instead of 1.
-        let wanted = if context.is_given(asked.break_input + 1) {
+        let wanted = if context.is_given(break_input + 1) {
             0.0
         } else {
             1.0
@@ -85,7 +124,7 @@ fn ask(
         false
     };
     if !late && !broken {
-        return Ok(None);
+        return Ok(Reply::Waiting);
     }
     let name = if late {
         "ERR_TP_MAXTIME"
@@ -96,9 +135,9 @@ fn ask(
         name,
         format!("nobody answered {} in time", asked.instruction),
     );
-    if context.is_given(asked.break_flag) {
-        context.assign_number(asked.break_flag, raised.number as f64)?;
-        return Ok(Some(String::new()));
+    if context.is_given(break_flag) {
+        context.assign_number(break_flag, raised.number as f64)?;
+        return Ok(Reply::BrokenOff);
     }
     Err(raised)
 }
@@ -151,20 +190,17 @@ fn button(
 }
 
 fn message_box(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let asked = Asked {
-        instruction: "UIMessageBox",
-        text: text(context, 1)?,
-        max_time: 9,
-        break_input: 10,
-        break_flag: 14,
-    };
-    match ask(context, system, asked)? {
-        None => Ok(Outcome::Blocked),
-        Some(answer) => {
-            let button = button(context, 5, "UIMessageBox", &answer)?;
-            Ok(Outcome::Done(Value::Num(button as f32)))
-        }
-    }
+    let asked = Asked::new(context, "UIMessageBox", 9)?;
+    answered(
+        context,
+        system,
+        asked,
+        Value::Num(0.0),
+        |context, answer| {
+            let button = button(context, 5, "UIMessageBox", answer)?;
+            Ok(Value::Num(button as f32))
+        },
+    )
 }
 
 /// The answer is the number of an item, or its text.
@@ -188,51 +224,44 @@ fn list_view(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         instruction: "UIListView",
         text: format!("{header}: {}", items.join(", ")),
         max_time: 7,
-        break_input: 8,
-        break_flag: 12,
     };
-    let Some(answer) = ask(context, system, asked)? else {
-        return Ok(Outcome::Blocked);
-    };
-    let answer = answer.trim();
-    let chosen = match answer.parse::<usize>() {
-        Ok(number) => number,
-        Err(_) if answer.is_empty() => 0,
-        Err(_) => items
-            .iter()
-            .position(|item| item.eq_ignore_ascii_case(answer))
-            .map_or(usize::MAX, |index| index + 1),
-    };
-    if chosen > items.len() {
-        return Err(context.argument_error(format!(
-            "the answer to UIListView is {answer:?}, expected 1 to {} or the text of an item",
-            items.len()
-        )));
-    }
-    if context.is_given(0) {
-        // The button OK.
-        context.assign_number(0, 1.0)?;
-    }
-    Ok(Outcome::Done(Value::Num(chosen as f32)))
+    answered(
+        context,
+        system,
+        asked,
+        Value::Num(0.0),
+        |context, answer| {
+            let answer = answer.trim();
+            let chosen = match answer.parse::<usize>() {
+                Ok(number) => number,
+                Err(_) if answer.is_empty() => 0,
+                Err(_) => items
+                    .iter()
+                    .position(|item| item.eq_ignore_ascii_case(answer))
+                    .map_or(usize::MAX, |index| index + 1),
+            };
+            if chosen > items.len() {
+                return Err(context.argument_error(format!(
+                "the answer to UIListView is {answer:?}, expected 1 to {} or the text of an item",
+                items.len()
+            )));
+            }
+            if context.is_given(0) {
+                // The button OK.
+                context.assign_number(0, 1.0)?;
+            }
+            Ok(Value::Num(chosen as f32))
+        },
+    )
 }
 
 fn text_entry(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let asked = Asked {
-        instruction: "UIAlphaEntry",
-        text: text(context, 1)?,
-        max_time: 6,
-        break_input: 7,
-        break_flag: 11,
-    };
-    match ask(context, system, asked)? {
-        None => Ok(Outcome::Blocked),
-        Some(answer) => {
-            let limit = context.rules.string_limit;
-            Ok(Outcome::Done(Value::Str(
-                answer.chars().take(limit).collect(),
-            )))
-        }
-    }
+    let asked = Asked::new(context, "UIAlphaEntry", 6)?;
+    let empty = Value::Str(String::new());
+    answered(context, system, asked, empty, |context, answer| {
+        let limit = context.rules.string_limit;
+        Ok(Value::Str(answer.chars().take(limit).collect()))
+    })
 }
 
 /// A number within the limits of two arguments.
@@ -254,37 +283,31 @@ fn within(
 }
 
 fn number_entry(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let asked = Asked {
-        instruction: "UIDnumEntry",
-        text: text(context, 1)?,
-        max_time: 9,
-        break_input: 10,
-        break_flag: 14,
-    };
-    match ask(context, system, asked)? {
-        None => Ok(Outcome::Blocked),
-        Some(answer) => {
-            let number = within(context, "UIDnumEntry", &answer, 6, 7)?;
-            Ok(Outcome::Done(Value::Dnum(number)))
-        }
-    }
+    let asked = Asked::new(context, "UIDnumEntry", 9)?;
+    answered(
+        context,
+        system,
+        asked,
+        Value::Dnum(0.0),
+        |context, answer| {
+            let number = within(context, "UIDnumEntry", answer, 6, 7)?;
+            Ok(Value::Dnum(number))
+        },
+    )
 }
 
 fn number_tune(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let asked = Asked {
-        instruction: "UINumTune",
-        text: text(context, 1)?,
-        max_time: 9,
-        break_input: 10,
-        break_flag: 14,
-    };
-    match ask(context, system, asked)? {
-        None => Ok(Outcome::Blocked),
-        Some(answer) => {
-            let number = within(context, "UINumTune", &answer, 7, 8)?;
-            Ok(Outcome::Done(Value::Num(number as f32)))
-        }
-    }
+    let asked = Asked::new(context, "UINumTune", 9)?;
+    answered(
+        context,
+        system,
+        asked,
+        Value::Num(0.0),
+        |context, answer| {
+            let number = within(context, "UINumTune", answer, 7, 8)?;
+            Ok(Value::Num(number as f32))
+        },
+    )
 }
 
 fn read_dnum(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
@@ -292,17 +315,12 @@ fn read_dnum(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         instruction: "TPReadDnum",
         text: context.string(1)?,
         max_time: 2,
-        break_input: 3,
-        break_flag: 7,
     };
-    match ask(context, system, asked)? {
-        None => Ok(Outcome::Blocked),
-        Some(answer) => {
-            let number = within(context, "TPReadDnum", &answer, usize::MAX, usize::MAX)?;
-            context.assign_number(0, number)?;
-            Ok(Outcome::Done(Value::Absent))
-        }
-    }
+    answered(context, system, asked, Value::Absent, |context, answer| {
+        let number = within(context, "TPReadDnum", answer, usize::MAX, usize::MAX)?;
+        context.assign_number(0, number)?;
+        Ok(Value::Absent)
+    })
 }
 
 /// The simulation has no windows to show.

@@ -1,6 +1,6 @@
 use depal_vm::Diagnostic;
 
-use super::keywords::{DECLARATION_WORDS, MODULE_ATTRIBUTES};
+use super::keywords::{DECLARATION, MODULE_ATTRIBUTES};
 use super::parser::Parser;
 use super::tree::*;
 
@@ -117,7 +117,7 @@ impl Parser<'_> {
                     "expected a declaration (VAR, PERS, CONST, RECORD, PROC, FUNC), found {found}"
                 ),
             );
-            while !self.is_end() && !self.is_any_word(&DECLARATION_WORDS) {
+            while !self.is_end() && !self.is_class(DECLARATION) {
                 self.advance();
             }
         }

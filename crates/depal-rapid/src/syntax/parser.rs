@@ -1,6 +1,6 @@
 use depal_vm::{Diagnostic, Label, Span};
 
-use super::keywords::{RECOVERY_WORDS, is_keyword};
+use super::keywords::{Class, FRESH_START, class, is_keyword};
 use super::lexer::{SpannedToken, Token, lex};
 use super::tree::*;
 
@@ -98,6 +98,14 @@ impl Parser<'_> {
 
     pub(crate) fn is_any_word(&self, words: &[&str]) -> bool {
         words.iter().any(|word| self.is_word(word))
+    }
+
+    /// Whether the next word is reserved and of this class.
+    pub(crate) fn is_class(&self, wanted: Class) -> bool {
+        match self.peek() {
+            Token::Name(name) => class(name).is_some_and(|found| found & wanted != 0),
+            _ => false,
+        }
     }
 
     pub(crate) fn maybe_word(&mut self, word: &str) -> bool {
@@ -278,7 +286,7 @@ impl Parser<'_> {
             if self.maybe_mark(";") {
                 return;
             }
-            if self.is_any_word(&RECOVERY_WORDS) {
+            if self.is_class(FRESH_START) {
                 return;
             }
             self.advance();

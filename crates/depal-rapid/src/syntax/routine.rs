@@ -1,6 +1,6 @@
 use depal_vm::{Diagnostic, Span};
 
-use super::keywords::{RECOVERY_WORDS, ROUTINE_ENDS};
+use super::keywords::{FRESH_START, ROUTINE_END};
 use super::parser::Parser;
 use super::tree::*;
 
@@ -64,7 +64,7 @@ impl Parser<'_> {
                 while !self.is_end()
                     && !self.is_mark(")")
                     && !self.is_mark(";")
-                    && !self.is_any_word(&RECOVERY_WORDS)
+                    && !self.is_class(FRESH_START)
                 {
                     self.advance();
                 }
@@ -171,7 +171,7 @@ impl Parser<'_> {
         let mut statements = Vec::new();
         loop {
             statements.extend(self.block());
-            if self.is_end() || self.is_any_word(&ROUTINE_ENDS) {
+            if self.is_end() || self.is_class(ROUTINE_END) {
                 return statements;
             }
             let word = self.describe();

@@ -1,6 +1,6 @@
 use depal_vm::{Diagnostic, Span};
 
-use super::keywords::BLOCK_ENDS;
+use super::keywords::BLOCK_END;
 use super::lexer::Token;
 use super::parser::Parser;
 use super::tree::*;
@@ -23,7 +23,7 @@ impl Parser<'_> {
                 self.data(true);
                 continue;
             }
-            if self.is_any_word(&BLOCK_ENDS) {
+            if self.is_class(BLOCK_END) {
                 break;
             }
             let before = self.position();
@@ -193,7 +193,7 @@ impl Parser<'_> {
     fn if_statement(&mut self, start: Span) -> StatementKind {
         let condition = self.expression();
         if !self.maybe_word("THEN") {
-            if self.is_any_word(&BLOCK_ENDS) || self.is_end() || self.is_mark(";") {
+            if self.is_class(BLOCK_END) || self.is_end() || self.is_mark(";") {
                 let found = self.describe();
                 let diagnostic = Diagnostic::error(
                     "RAPID0010",

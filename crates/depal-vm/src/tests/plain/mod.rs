@@ -4,86 +4,15 @@ mod generate;
 mod lower;
 
 use std::sync::Arc;
-use std::task::Poll;
 
-use depal_frames::{JointPositions, Pose};
-use depal_time::SimTime;
 use proptest::prelude::*;
 
 use crate::execution::{RobotTask, Step};
-use crate::system::*;
+use crate::system::EmptyCabinet;
 use crate::{BinaryOp, ErrorHandler, Machine, Op, Program, Reference, Root, Routine, Value};
 
 use generate::{Statement, statements};
 use lower::Lowering;
-
-/// Writes down each statement that it is told of, or their number.
-#[derive(Default)]
-struct Listener {
-    grants: u32,
-    ran: u64,
-}
-
-impl System for Listener {
-    fn spare_statements(&self) -> u32 {
-        self.grants
-    }
-    fn statements_ran(&mut self, count: u32) {
-        assert!(count <= self.grants);
-        self.ran += u64::from(count);
-    }
-    fn statement(&mut self, _: &ProgramLocation) {
-        self.ran += 1;
-    }
-    fn now(&self) -> SimTime {
-        SimTime::ZERO
-    }
-    fn signal(&self, name: &str) -> Result<f64, Fault> {
-        Err(Fault::UnknownSignal(name.to_owned()))
-    }
-    fn set_signal(&mut self, name: &str, _: f64) -> Result<(), Fault> {
-        Err(Fault::UnknownSignal(name.to_owned()))
-    }
-    fn start_move(&mut self, _: &MoveRequest) -> Poll<Result<MoveId, Fault>> {
-        Poll::Pending
-    }
-    fn is_move_done(&self, _: MoveId) -> Result<bool, Fault> {
-        Ok(true)
-    }
-    fn is_standing(&self) -> bool {
-        true
-    }
-    fn stop_motion(&mut self) {}
-    fn joints(&self) -> JointPositions {
-        JointPositions::from_degrees(&[0.0; 6])
-    }
-    fn planned_joints(&self) -> JointPositions {
-        self.joints()
-    }
-    fn forward(&self, _: &JointPositions) -> Pose {
-        Pose::identity()
-    }
-    fn inverse(&self, _: &Pose, near: &JointPositions) -> Result<JointPositions, Fault> {
-        Ok(*near)
-    }
-    fn socket_create(&mut self) -> SocketId {
-        SocketId(0)
-    }
-    fn socket_connect(&mut self, _: SocketId, _: &str, _: u16) -> Poll<Result<(), Fault>> {
-        Poll::Pending
-    }
-    fn socket_send(&mut self, _: SocketId, _: &[u8]) -> Result<(), Fault> {
-        Ok(())
-    }
-    fn socket_receive(&mut self, _: SocketId, _: usize) -> Poll<Result<Received, Fault>> {
-        Poll::Pending
-    }
-    fn socket_close(&mut self, _: SocketId) {}
-    fn socket_state(&self, _: SocketId) -> SocketState {
-        SocketState::Closed
-    }
-    fn log(&mut self, _: LogKind, _: &ProgramLocation, _: &str) {}
-}
 
 fn program(statements: &[Statement]) -> Program {
     let mut lowering = Lowering {
@@ -212,22 +141,25 @@ fn bits(machine: &Machine) -> String {
 
 /// Steps until the end; at most so many.
 fn finish(mut machine: Machine, grants: u32) -> (Vec<String>, u64, String) {
-    let mut system = Listener {
-        grants,
-        ..Listener::default()
-    };
+    let mut system = EmptyCabinet::new(grants + 1);
     let mut states = Vec::new();
     for _ in 0..20_000 {
         match machine.step(&mut system) {
             Step::Ran => states.push(bits(&machine)),
-            end => return (states, system.ran, format!("{end:?} {}", bits(&machine))),
+            end => {
+                return (
+                    states,
+                    system.statements(),
+                    format!("{end:?} {}", bits(&machine)),
+                );
+            }
         }
-        if system.ran > 3000 {
+        if system.statements() > 3000 {
             break;
         }
     }
     let end = bits(&machine);
-    (states, system.ran, end)
+    (states, system.statements(), end)
 }
 
 proptest! {
