@@ -2,7 +2,7 @@
 
 use std::{cmp::Ordering::Equal, f64::consts::PI};
 
-use depal_frames::{ConvexHull, Pose, Point, Shape, Vector};
+use depal_frames::{ConvexHull, Point, Pose, Shape, Vector};
 
 /// Directions whose farthest points make the hull.
 const DIRECTIONS: usize = 200;

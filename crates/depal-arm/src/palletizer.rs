@@ -52,13 +52,15 @@ impl Palletizer {
                 .zip(&along)
                 .all(|((axis, &(index, factor)), along)| {
                     let turned = axis.direction.dot(along) * axis.multiplier;
-                    axes.iter().find(|a| a.index == index).is_some_and(|driver| {
-                        let forward = driver.direction.dot(along) * driver.multiplier;
-                        axis.index == index
-                            && axis.offset == 0.0
-                            && (turned.abs() - 1.0).abs() <= TOLERANCE
-                            && (turned - factor * forward).abs() <= TOLERANCE
-                    })
+                    axes.iter()
+                        .find(|a| a.index == index)
+                        .is_some_and(|driver| {
+                            let forward = driver.direction.dot(along) * driver.multiplier;
+                            axis.index == index
+                                && axis.offset == 0.0
+                                && (turned.abs() - 1.0).abs() <= TOLERANCE
+                                && (turned - factor * forward).abs() <= TOLERANCE
+                        })
                 })
         };
         let from_upper_arm = follows(&FROM_UPPER_ARM);
@@ -80,9 +82,19 @@ impl Palletizer {
         let sign = |i: usize| axes[i].direction.dot(&along[i]).signum();
         // Which links are turned by the upper arm's angle, by the forearm's, and by neither.
         let (third, fixed, upper, fore) = if from_upper_arm {
-            (2, p[1] + (tip - p[4]), (p[2] - p[1]) + (p[4] - p[3]), p[3] - p[2])
+            (
+                2,
+                p[1] + (tip - p[4]),
+                (p[2] - p[1]) + (p[4] - p[3]),
+                p[3] - p[2],
+            )
         } else {
-            (3, p[1] + (p[3] - p[2]) + (tip - p[4]), p[2] - p[1], p[4] - p[3])
+            (
+                3,
+                p[1] + (p[3] - p[2]) + (tip - p[4]),
+                p[2] - p[1],
+                p[4] - p[3],
+            )
         };
         Some(Self {
             signs: [sign(0), sign(1), sign(third), sign(5)],
@@ -118,7 +130,11 @@ impl Palletizer {
         for (first, reach) in [(bearing, radius), (bearing + PI, -radius)] {
             let target = (reach - self.fixed.0, at.z - self.fixed.1);
             for (second, third) in triangle(self.upper, self.fore, target) {
-                let third = if self.from_upper_arm { third - second } else { third };
+                let third = if self.from_upper_arm {
+                    third - second
+                } else {
+                    third
+                };
                 found.push(vec![
                     self.signs[0] * first,
                     self.signs[1] * second,

@@ -15,9 +15,15 @@ impl ConvexHull {
     /// # Panics
     /// If a triangle names a corner that is not there.
     pub fn new(vertices: Vec<Point>, triangles: Vec<[u32; 3]>) -> Self {
-        let known = triangles.iter().flatten().all(|&i| (i as usize) < vertices.len());
+        let known = triangles
+            .iter()
+            .flatten()
+            .all(|&i| (i as usize) < vertices.len());
         assert!(known, "triangles of {} corners name others", vertices.len());
-        Self { vertices, triangles }
+        Self {
+            vertices,
+            triangles,
+        }
     }
 
     /// Corners, metres.

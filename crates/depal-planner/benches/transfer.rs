@@ -37,7 +37,10 @@ fn pallet() -> Vec<Question> {
 fn at(values: &mut [f64], share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let last = values.len() - 1;
-    values.get((last as f64 * share) as usize).copied().unwrap_or(f64::NAN)
+    values
+        .get((last as f64 * share) as usize)
+        .copied()
+        .unwrap_or(f64::NAN)
 }
 
 /// Plans a set once, checks every way with the oracle and prints what is promised of it.
@@ -99,7 +102,9 @@ fn bench_transfers(criterion: &mut Criterion) {
     let checker = TransferChecker::new(&question.scene);
     let (start, goal) = (question.start, question.goal);
     criterion.bench_function("state check, 105 obstacles", |bencher| {
-        let states: Vec<_> = (0..200).map(|i| start.lerp(&goal, f64::from(i) / 199.0)).collect();
+        let states: Vec<_> = (0..200)
+            .map(|i| start.lerp(&goal, f64::from(i) / 199.0))
+            .collect();
         let mut next = 0;
         bencher.iter(|| {
             next = (next + 1) % states.len();

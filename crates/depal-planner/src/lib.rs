@@ -58,7 +58,8 @@ pub use planner::plan_pick;
 pub use refusal::{Obstacle, Refusal, RejectReason, Rejection, Stage, Touch};
 pub use request::{PlaceSpec, PlanRequest, PlannerSettings, SeenBox};
 pub use transfer::{
-    TransferChecker, TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint, plan_transfer,
+    TransferChecker, TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint,
+    plan_transfer,
 };
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use depal_frames::{PlacedShape, Pose, Rotation, Shape};
 use rerun::{
-    Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, FillMode, Mesh3D, Quaternion, RecordingStream,
-    RecordingStreamResult, Transform3D,
+    Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, FillMode, Mesh3D, Quaternion,
+    RecordingStream, RecordingStreamResult, Transform3D,
 };
 
 /// Position as f32 triple, metres.

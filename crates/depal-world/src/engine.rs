@@ -83,8 +83,7 @@ pub(crate) fn collider(placed: &PlacedShape, owner: Owner, friction: f64) -> Col
         Shape::Hull(hull) => {
             let corners: Vec<_> = hull.vertices().iter().map(point_to_glam).collect();
             let half = hull.half_extents();
-            let boxed =
-                || ColliderBuilder::cuboid(half.x as f32, half.y as f32, half.z as f32);
+            let boxed = || ColliderBuilder::cuboid(half.x as f32, half.y as f32, half.z as f32);
             (
                 ColliderBuilder::convex_hull(&corners).unwrap_or_else(boxed),
                 pose,

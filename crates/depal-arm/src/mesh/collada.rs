@@ -199,8 +199,9 @@ impl<'a> Scene<'a> {
                 "rotate" => {
                     let n = numbers(&child.text, 4)?;
                     match Unit::try_new(Vector::new(n[0], n[1], n[2]), 1e-12) {
-                        Some(axis) => Rotation3::from_axis_angle(&axis, n[3].to_radians())
-                            .to_homogeneous(),
+                        Some(axis) => {
+                            Rotation3::from_axis_angle(&axis, n[3].to_radians()).to_homogeneous()
+                        }
                         None => Matrix4::identity(),
                     }
                 }
@@ -231,7 +232,10 @@ impl<'a> Scene<'a> {
 fn corners(mesh: &Element) -> Result<Vec<Point>, String> {
     let positions = mesh
         .child("vertices")
-        .and_then(|v| v.all("input").find(|i| i.attribute("semantic") == "POSITION"))
+        .and_then(|v| {
+            v.all("input")
+                .find(|i| i.attribute("semantic") == "POSITION")
+        })
         .map_or("", |i| i.link("source"));
     let source = mesh
         .all("source")
@@ -240,12 +244,16 @@ fn corners(mesh: &Element) -> Result<Vec<Point>, String> {
     let array = source
         .child("float_array")
         .ok_or_else(|| format!("<source id=\"{positions}\"> has no <float_array>"))?;
-    let accessor = source.child("technique_common").and_then(|t| t.child("accessor"));
+    let accessor = source
+        .child("technique_common")
+        .and_then(|t| t.child("accessor"));
     let stride = accessor.map_or("", |a| a.attribute("stride"));
     let stride = if stride.is_empty() {
         3
     } else {
-        stride.parse::<usize>().map_err(|e| format!("stride: {e}"))?
+        stride
+            .parse::<usize>()
+            .map_err(|e| format!("stride: {e}"))?
     };
     if stride < 3 {
         return Err(format!("stride {stride}, expected at least 3"));

@@ -26,10 +26,16 @@ pub(crate) fn points(name: &str, bytes: &[u8]) -> Result<Vec<Point>, String> {
         return Err("no corner points in it".to_owned());
     }
     if points.len() > MOST_POINTS {
-        return Err(format!("{} corner points, at most {MOST_POINTS}", points.len()));
+        return Err(format!(
+            "{} corner points, at most {MOST_POINTS}",
+            points.len()
+        ));
     }
     match points.iter().find(|p| p.iter().any(|v| !v.is_finite())) {
-        Some(point) => Err(format!("a corner at {:?} is not finite", point.coords.as_slice())),
+        Some(point) => Err(format!(
+            "a corner at {:?} is not finite",
+            point.coords.as_slice()
+        )),
         None => Ok(points),
     }
 }
@@ -44,9 +50,15 @@ fn numbers(line: &str, least: usize) -> Result<Vec<f64>, String> {
         word.parse::<f64>()
             .map_err(|_| format!("'{word}' is not a number"))
     };
-    let numbers: Vec<f64> = line.split_ascii_whitespace().map(read).collect::<Result<_, _>>()?;
+    let numbers: Vec<f64> = line
+        .split_ascii_whitespace()
+        .map(read)
+        .collect::<Result<_, _>>()?;
     if numbers.len() < least {
-        return Err(format!("{} numbers, expected {least}: '{line}'", numbers.len()));
+        return Err(format!(
+            "{} numbers, expected {least}: '{line}'",
+            numbers.len()
+        ));
     }
     Ok(numbers)
 }

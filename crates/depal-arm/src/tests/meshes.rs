@@ -113,12 +113,19 @@ fn what_is_no_mesh_says_so() {
     says("a.obj", b"v 1 2\n", "2 numbers, expected 3");
     says("a.obj", b"v 1 2 nan\n", "not finite");
     says("a.dae", b"<COLLADA><asset>", "no whole <COLLADA>");
-    says("a.dae", collada().replace("#p", "#q").as_bytes(), "'q'".trim_matches('\''));
+    says(
+        "a.dae",
+        collada().replace("#p", "#q").as_bytes(),
+        "'q'".trim_matches('\''),
+    );
     let ring = collada().replace(
         "<library_visual_scenes>",
         r##"<library_nodes><node id="n"><instance_node url="#n"/></node></library_nodes><library_visual_scenes>"##,
     );
-    let ring = ring.replace("<instance_geometry", r##"<instance_node url="#n"/><instance_geometry"##);
+    let ring = ring.replace(
+        "<instance_geometry",
+        r##"<instance_node url="#n"/><instance_geometry"##,
+    );
     says("a.dae", ring.as_bytes(), "in a ring");
 }
 
@@ -163,7 +170,9 @@ fn flat_and_tiny_clouds_become_boxes() {
         .map(|i| Point::new(f64::from(i % 5), f64::from(i / 5), 0.7))
         .collect();
     let (pose, shape) = hull::around(&sheet);
-    assert!(matches!(shape, Shape::Cuboid { half_extents } if half_extents.z == 5e-4 && half_extents.x == 2.0));
+    assert!(
+        matches!(shape, Shape::Cuboid { half_extents } if half_extents.z == 5e-4 && half_extents.x == 2.0)
+    );
     assert!((pose.translation.z - 0.7).abs() < 1e-12);
     let (_, shape) = hull::around(&[Point::new(1.0, 1.0, 1.0)]);
     assert!(matches!(shape, Shape::Cuboid { .. }));
@@ -182,7 +191,10 @@ fn collision_meshes_of_a_description_become_hulls() {
     let arm = Arm::from_urdf_uniform_with_meshes(&text, FILE, 2.0, &source).unwrap();
     assert!(matches!(
         arm.warnings(),
-        [ArmWarning::MeshSkipped { element: "visual", .. }]
+        [ArmWarning::MeshSkipped {
+            element: "visual",
+            ..
+        }]
     ));
     let Shape::Hull(hull) = &arm.links()[0].collision[0].shape else {
         panic!("{:?}", arm.links()[0].collision[0])

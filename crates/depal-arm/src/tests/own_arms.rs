@@ -115,7 +115,8 @@ fn forward_agrees_with_the_chain_library_and_inverse_with_forward() {
     for text in [KR210, KR16, R2000IC, IRB460, IRB660, KR120PA] {
         let arm = load(text);
         assert_eq!(arm.warnings(), [], "{}", arm.name());
-        let loaded = urdf::load(text, "own.urdf", &urdf::Accelerations::Uniform(2.0), None).unwrap();
+        let loaded =
+            urdf::load(text, "own.urdf", &urdf::Accelerations::Uniform(2.0), None).unwrap();
         let oracle = k::Chain::<f64>::from(&loaded.robot);
         let mut random = RandomStreams::new(5).stream("own arms");
         for _ in 0..1000 {
