@@ -288,6 +288,24 @@ impl Arm {
         count
     }
 
+    /// For every joint, how far links turn in sum for one radian of it: 1 without mimics. A palletizer's mimics turn back
+    /// what their masters turn, so that nothing turns farther than the master: 1 as well.
+    pub fn turn_gains(&self) -> Vec<f64> {
+        let mut gains = vec![0.0; self.limits.len()];
+        for node in &self.chain.nodes {
+            if let Motion::Revolute {
+                index, multiplier, ..
+            } = &node.motion
+            {
+                gains[*index] += multiplier.abs();
+            }
+        }
+        if matches!(self.inverse, Inverse::Palletizer(_)) {
+            gains.fill(1.0);
+        }
+        gains
+    }
+
     /// Every joint vector inside the limits that brings the flange there: all branches, and each with all whole turns
     /// that the limits allow. Sorted by joint 1, then 2, and so on; empty when out of reach.
     /// At a singularity of the wrist one of the endless many is given.

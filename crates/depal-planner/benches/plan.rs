@@ -1,4 +1,5 @@
-//! One pick planned out of a full layer: choice of carton, grasp, way there and to the conveyor, certificate.
+//! One pick planned out of a full layer: choice of carton, grasp, way there and to the conveyor, certificate;
+//! and all cartons of a picture.
 #![allow(missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -10,15 +11,20 @@ use depal_planner::{PlaceSpec, PlanRequest, PlannerSettings, SeenBox, plan_pick}
 const ACCELERATIONS: [f64; 6] = [3.0, 3.0, 3.0, 7.0, 7.0, 8.7];
 
 fn layer(top: f64) -> Vec<SeenBox> {
+    cartons(top, 2)
+}
+
+/// `columns` of four, side by side.
+fn cartons(top: f64, columns: u32) -> Vec<SeenBox> {
     let size = BoxSize {
         length: 0.4,
         width: 0.3,
         height: 0.25,
     };
     let mut boxes = Vec::new();
-    for column in 0..2 {
+    for column in 0..columns {
         for row in 0..4 {
-            let x = 1.7 + (f64::from(column) - 0.5) * 0.404;
+            let x = 1.7 + (f64::from(column) - f64::from(columns - 1) * 0.5) * 0.404;
             let y = (f64::from(row) - 1.5) * 0.304;
             boxes.push(SeenBox {
                 base_from_box: Pose::translation(x, y, top),
@@ -63,6 +69,33 @@ fn bench_plan(criterion: &mut Criterion) {
             bencher.iter(|| plan_pick(&request));
         });
     }
+    // One picture, carton after carton: what is picked is gone for the next.
+    let seen = cartons(1.1, 4);
+    let picture = || {
+        let mut left = seen.clone();
+        let mut start = JointPositions::from_degrees(&[90.0, -20.0, 20.0, 0.0, 90.0, 0.0]);
+        while !left.is_empty() {
+            let request = PlanRequest {
+                arm: &arm,
+                gripper: &gripper,
+                boxes: &left,
+                known_obstacles: &known,
+                obstacle_points: &[],
+                start,
+                place: &place,
+                settings: &settings,
+            };
+            let plan = plan_pick(&request).unwrap_or_else(|refusal| panic!("{refusal}"));
+            start = plan.waypoints[plan.waypoints.len() - 1].joints;
+            left.remove(plan.box_index);
+        }
+    };
+    criterion.bench_function(
+        "plan a picture of 16 cartons, one after another",
+        |bencher| {
+            bencher.iter(picture);
+        },
+    );
 }
 
 criterion_group!(benches, bench_plan);

@@ -4,7 +4,7 @@ use parry3d::{math::Pose as Pose32, query};
 use crate::{
     bodies::{Body, Robot, may_meet},
     refusal::{Obstacle, Stage, Touch},
-    world::World,
+    world::{self, World},
 };
 
 /// What is checked on one stretch of the way.
@@ -123,10 +123,10 @@ impl<'a> Check<'a> {
             if gap >= distance {
                 continue;
             }
-            if let Ok(d) = query::distance(&poses[i], a.shape.as_ref(), &poses[j], b.shape.as_ref())
-                && d.distance < distance
+            if let Some(d) = world::distance(&poses[i], &a.shape, &poses[j], &b.shape)
+                && d < distance
             {
-                distance = d.distance;
+                distance = d;
                 nearest = Some(self.says(a, self.link_of(b)));
             }
         }

@@ -42,9 +42,10 @@ impl Piece {
         joints
     }
 
-    /// Largest second derivative of the joints by the share of the piece, summed over the joints, rad; zero on lines.
-    pub fn bend(&self) -> f64 {
-        let turn = |i: usize| (self.leaves[i] - self.enters[i]).abs();
+    /// Largest second derivative of the joints by the share of the piece, summed over the joints with their `gains`, rad;
+    /// zero on lines.
+    pub fn bend(&self, gains: &[f64]) -> f64 {
+        let turn = |i: usize| (self.leaves[i] - self.enters[i]).abs() * gains[i];
         (0..self.from.len()).map(turn).sum::<f64>() * self.length
     }
 }

@@ -67,19 +67,20 @@ pub(crate) struct Effort {
     pub checks: usize,
 }
 
-/// The best of the routes met. The given one must be free.
+/// The routes met, each better than the one before; the first is the given one, which must be free.
 pub(crate) fn refine(
     checker: &mut Checker,
     route: Route,
     effort: Effort,
     random: &mut RandomStream,
-) -> Route {
+) -> Vec<Route> {
     let limits = checker.scene.arm.limits();
     let start = route.points[0];
     let mut best = route;
+    let mut trail = vec![best.clone()];
     let mut time = best.rough_time(limits);
     if best.points.len() < 3 {
-        return best;
+        return trail;
     }
     let bound = super::law::lower_bound(&start, &best.points[best.points.len() - 1], limits);
     let last_check = checker.checks + effort.checks;
@@ -95,12 +96,13 @@ pub(crate) fn refine(
         let changed_time = path.rough_time(limits);
         if changed_time < time - 1e-4 && checker.path_is_free(&path) {
             (best, time) = (changed, changed_time);
+            trail.push(best.clone());
             size = (size * 1.5_f64).min(0.4);
         } else {
             size = (size * 0.985).max(0.03);
         }
     }
-    best
+    trail
 }
 
 fn change(

@@ -319,19 +319,23 @@ fn plan_to(
         let Some(found) = route else {
             continue;
         };
-        // Thick bodies in large steps may still step across a thin one: then once more in small steps.
-        for careful in [false, true] {
-            checker.careful = careful;
-            if careful && !checker.path_is_free(&found.path()) {
-                break;
-            }
-            let (refined, found_by) = improve(&mut checker, &found, found_by, &mut random);
-            match proved(scene, start, &refined, found_by) {
-                Ok(plan) => return Ok(plan),
-                Err(why) => failed = why,
-            }
-            if thickness > 0 {
-                break;
+        let (trail, found_by) = improve(&mut checker, &found, found_by, &mut random);
+        match proved(scene, start, &trail[trail.len() - 1], found_by) {
+            Ok(plan) => return Ok(plan),
+            Err(why) => failed = why,
+        }
+        if thickness == 0 {
+            // Thick bodies in large steps may still step across a thin one: back to where that began,
+            // and on from there in small steps.
+            checker.careful = true;
+            let good = trail.iter().rev().find(|r| checker.path_is_free(&r.path()));
+            if let Some(good) = good {
+                let trail = refine(&mut checker, good.clone(), LAST_EFFORT, &mut random);
+                for route in [&trail[trail.len() - 1], good] {
+                    if let Ok(plan) = proved(scene, start, route, found_by) {
+                        return Ok(plan);
+                    }
+                }
             }
         }
         // The search may leave corners out between its checks; a way that stops at every point is the safer one.
@@ -395,19 +399,21 @@ fn proved(
 }
 
 /// Bends a found way; where it stays a long way round, looks for others and bends the best of them further.
+/// Gives the routes met on the way to the best, which comes last.
 fn improve(
     checker: &mut Checker,
     found: &Route,
     mut found_by: &'static str,
     random: &mut RandomStream,
-) -> (Route, &'static str) {
+) -> (Vec<Route>, &'static str) {
     let limits = checker.scene.arm.limits();
     let (start, goal) = (found.points[0], found.points[found.points.len() - 1]);
     let bound = lower_bound(&start, &goal, limits);
-    let mut best = refine(checker, found.clone(), FIRST_EFFORT, random);
-    let mut time = best.rough_time(limits);
+    let time_of = |trail: &[Route]| trail[trail.len() - 1].rough_time(limits);
+    let mut trail = refine(checker, found.clone(), FIRST_EFFORT, random);
+    let mut time = time_of(&trail);
     if time <= bound * LONG {
-        return (best, found_by);
+        return (trail, found_by);
     }
     let most_checks = checker.most_checks;
     for _ in 0..OTHER_WAYS {
@@ -416,13 +422,16 @@ fn improve(
             continue;
         };
         let other = refine(checker, Route::new(way), OTHER_EFFORT, random);
-        let other_time = other.rough_time(limits);
+        let other_time = time_of(&other);
         if other_time < time {
-            (best, time, found_by) = (other, other_time, "search");
+            (trail, time, found_by) = (other, other_time, "search");
         }
     }
     checker.most_checks = most_checks;
-    (refine(checker, best, LAST_EFFORT, random), found_by)
+    let best = trail[trail.len() - 1].clone();
+    let last = refine(checker, best, LAST_EFFORT, random);
+    trail.extend(last.into_iter().skip(1));
+    (trail, found_by)
 }
 
 /// The first free of the raised ways, fastest first; straight up before drawn in.

@@ -11,7 +11,7 @@ use parry3d::{
 };
 
 use super::{oriented::Oriented, request::TransferScene};
-use crate::world::solid;
+use crate::world::{distance, solid};
 
 /// A solid with the box around it.
 struct Solid {
@@ -299,24 +299,15 @@ impl<'a> Scene<'a> {
 
     fn pair_distance(&self, state: &State, first: usize, second: usize) -> f64 {
         let shape = |body: usize| &self.bodies[body].solid.shape;
-        query::distance(
-            &self.pose(state, first),
-            shape(first).as_ref(),
-            &self.pose(state, second),
-            shape(second).as_ref(),
-        )
-        .map_or(0.0, |d| f64::from(d.distance))
+        let (a, b) = (self.pose(state, first), self.pose(state, second));
+        distance(&a, shape(first), &b, shape(second)).map_or(0.0, f64::from)
     }
 
     fn obstacle_distance(&self, state: &State, body: usize, obstacle: usize) -> f64 {
         let other = &self.obstacles.solids[obstacle];
-        query::distance(
-            &self.pose(state, body),
-            self.bodies[body].solid.shape.as_ref(),
-            &other.frame_from_shape,
-            other.shape.as_ref(),
-        )
-        .map_or(0.0, |d| f64::from(d.distance))
+        let shape = &self.bodies[body].solid.shape;
+        let pose = self.pose(state, body);
+        distance(&pose, shape, &other.frame_from_shape, &other.shape).map_or(0.0, f64::from)
     }
 
     /// All distances of the bare bodies at one state, measured up to `cap`, m.

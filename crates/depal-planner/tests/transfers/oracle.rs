@@ -159,6 +159,66 @@ impl Cuboid {
     }
 }
 
+/// Exact distance of two boxes that do not meet: corners to the other box, and edges to edges.
+fn gap(a: &Cuboid, b: &Cuboid) -> f64 {
+    let corners = |c: &Cuboid| -> Vec<Vector3<f64>> {
+        (0..8)
+            .map(|k| {
+                let side = |i: usize| {
+                    if k >> i & 1 == 0 {
+                        -c.half[i]
+                    } else {
+                        c.half[i]
+                    }
+                };
+                c.centre + c.axes * Vector3::new(side(0), side(1), side(2))
+            })
+            .collect()
+    };
+    let to_box = |c: &Cuboid, p: &Vector3<f64>| {
+        let at = c.axes.transpose() * (p - c.centre);
+        at.zip_map(&c.half, |x, h| (x.abs() - h).max(0.0)).norm()
+    };
+    let (first, second) = (corners(a), corners(b));
+    let mut least = f64::INFINITY;
+    for p in &first {
+        least = least.min(to_box(b, p));
+    }
+    for p in &second {
+        least = least.min(to_box(a, p));
+    }
+    let edges: Vec<(usize, usize)> = (0..8)
+        .flat_map(|k| {
+            (0..3)
+                .filter(move |i| k >> i & 1 == 0)
+                .map(move |i| (k, k | 1 << i))
+        })
+        .collect();
+    for &(i, j) in &edges {
+        for &(k, l) in &edges {
+            least = least.min(between_segments(first[i], first[j], second[k], second[l]));
+        }
+    }
+    least
+}
+
+/// Distance of the segments `p` to `q` and `r` to `s`.
+fn between_segments(p: Vector3<f64>, q: Vector3<f64>, r: Vector3<f64>, s: Vector3<f64>) -> f64 {
+    let (d1, d2, w) = (q - p, s - r, p - r);
+    let (a, b, e) = (d1.dot(&d1), d1.dot(&d2), d2.dot(&d2));
+    let (c, f) = (d1.dot(&w), d2.dot(&w));
+    let square = a * e - b * b;
+    let mut t = if square > 1e-12 * a * e {
+        ((b * f - c * e) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let mut u = ((b * t + f) / e).clamp(0.0, 1.0);
+    t = ((b * u - c) / a).clamp(0.0, 1.0);
+    u = ((b * t + f) / e).clamp(0.0, 1.0);
+    (w + d1 * t - d2 * u).norm()
+}
+
 pub struct Oracle<'a> {
     scene: &'a TransferScene,
     obstacles: Vec<Cuboid>,
@@ -224,6 +284,31 @@ impl<'a> Oracle<'a> {
         }
         let pair = self.pairs.iter().find(|&&(i, j)| boxes[i].meets(&boxes[j]));
         pair.map(|&(i, j)| format!("{} meets {}", name(i), name(j)))
+    }
+
+    /// Least distance at one state of moving bodies to obstacles and of checked pairs, m; 0 where something meets.
+    pub fn clearance(&self, joints: &[f64]) -> f64 {
+        let boxes = self.boxes(joints);
+        let moves = |i: usize| self.scene.arm.joints_below(self.bodies[i].0) > 0;
+        let around = boxes.iter().enumerate().filter(|(i, _)| moves(*i));
+        let mut least = f64::INFINITY;
+        let mut look = |a: &Cuboid, b: &Cuboid| {
+            let apart = (a.centre - b.centre).norm() - a.half.norm() - b.half.norm();
+            if apart < least {
+                least = if a.meets(b) {
+                    0.0
+                } else {
+                    least.min(gap(a, b))
+                };
+            }
+        };
+        for (_, body) in around {
+            self.obstacles.iter().for_each(|o| look(body, o));
+        }
+        for &(i, j) in &self.pairs {
+            look(&boxes[i], &boxes[j]);
+        }
+        least
     }
 
     /// The first touch on the straight joint moves through these points, every 0.01 rad.
