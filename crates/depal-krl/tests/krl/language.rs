@@ -178,7 +178,7 @@ fn both_sides_of_and_are_computed() {
     );
     assert_eq!(
         trace,
-        ["main/main:4: array index 3 is outside 1..2 (dimension 1)"]
+        ["main/main:5: array index 3 is outside 1..2 (dimension 1)"]
     );
 }
 
