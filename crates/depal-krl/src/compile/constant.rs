@@ -68,7 +68,12 @@ impl Compiler<'_> {
             }
             ExpressionKind::Group(inner) => self.constant_value(inner, expected)?,
             ExpressionKind::Negate(inner) => match (&inner.kind, expected) {
-                (ExpressionKind::Integer(value), _) => (Value::Int(-*value), Type::Int),
+                (ExpressionKind::Integer(value), _) => {
+                    if -*value < i64::from(i32::MIN) {
+                        self.too_large(expression.span, -*value);
+                    }
+                    (Value::Int(-*value), Type::Int)
+                }
                 _ => match self.constant_value(inner, expected)? {
                     (Value::Int(value), _) => (Value::Int(-value), Type::Int),
                     (Value::Num(value), _) => (Value::Num(-value), Type::Real),
@@ -136,10 +141,13 @@ impl Compiler<'_> {
     }
 
     pub(super) fn too_large(&mut self, span: depal_vm::Span, value: i64) {
-        self.error(Diagnostic::error(
-            "KRL0006",
-            span,
-            format!("{value} is outside -2147483648..2147483647"),
-        ));
+        self.error(
+            Diagnostic::error(
+                "KRL0006",
+                span,
+                format!("the integer {value} is outside -2147483648..2147483647"),
+            )
+            .help("write it with a decimal point to have a REAL"),
+        );
     }
 }

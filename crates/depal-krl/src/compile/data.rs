@@ -163,7 +163,7 @@ impl Compiler<'_> {
                     {
                         initial = value;
                     }
-                    let slot = self.new_global(&item.name.text, initial);
+                    let slot = self.data_slot(unit, item, &kind, initial);
                     let symbol = Symbol::Data(DataSymbol {
                         name: item.name.text.clone(),
                         slot: Slot::Global(slot),
@@ -187,6 +187,19 @@ impl Compiler<'_> {
             Declaration::Struc { .. } | Declaration::Enum { .. } | Declaration::External { .. } => {
             }
         }
+    }
+
+    /// `$CONFIG.DAT` may declare what is predefined: it is the same variable then.
+    fn data_slot(&mut self, unit: &Unit, item: &DataItem, kind: &Type, initial: Value) -> u32 {
+        if is_configuration(unit)
+            && let Some(Symbol::Data(data)) = self.predefined.get(&item.name.key())
+            && data.kind == *kind
+            && let Slot::Global(slot) = data.slot
+        {
+            self.program.globals[slot as usize] = initial;
+            return slot;
+        }
+        self.new_global(&item.name.text, initial)
     }
 
     fn declare_in_module(&mut self, unit: &Unit, global: bool, name: &Name, symbol: Symbol) {

@@ -111,6 +111,9 @@ impl Compiler<'_> {
             ExpressionKind::Group(inner) => self.any_value(inner, expected),
             ExpressionKind::Negate(operand) => {
                 if let ExpressionKind::Integer(value) = operand.kind {
+                    if -value < i64::from(i32::MIN) {
+                        self.too_large(span, -value);
+                    }
                     self.emit(Op::Push(Value::Int(-value)));
                     return Type::Int;
                 }

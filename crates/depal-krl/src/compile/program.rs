@@ -1,6 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use depal_vm::{Diagnostic, LanguageRules, Op, Program, Routine, SourceFile, Span};
+use depal_vm::{Diagnostic, LanguageRules, Op, Program, SourceFile, Span};
 
 use super::scope::*;
 use super::system::LIVE;
@@ -119,7 +119,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// The routine that runs: it calls `entry` and waits for the arm at its end.
+    /// The routine that runs: as `entry`, but it waits for the arm at its end.
     fn entry(&mut self, entry: &str) {
         self.module = self.module_scopes.len();
         let key = entry.to_lowercase();
@@ -130,27 +130,21 @@ impl Compiler<'_> {
                 signature,
                 ..
             })) if signature.result.is_none() && signature.parameters.is_empty() => {
-                let called = &self.program.routines[*index as usize];
-                let wrapper = Routine {
-                    name: called.name.clone(),
-                    module: called.module.clone(),
-                    line: called.line,
-                    code: vec![
-                        Op::Call {
-                            routine: *index,
-                            arguments: 0,
-                        },
-                        Op::CallBuiltin {
-                            builtin: self.table.operator("advance stop"),
-                            arguments: 0,
-                            result: false,
-                        },
-                        Op::Return { value: false },
-                    ],
-                    ..Routine::default()
-                };
+                let mut made = self.program.routines[*index as usize].clone();
+                let end = made.code.len() as u32;
+                for op in &mut made.code {
+                    if let Op::Return { value: false } = op {
+                        *op = Op::Jump(end);
+                    }
+                }
+                made.code.push(Op::CallBuiltin {
+                    builtin: self.table.operator("advance stop"),
+                    arguments: 0,
+                    result: false,
+                });
+                made.code.push(Op::Return { value: false });
                 self.program.entry = self.program.routines.len() as u32;
-                self.program.routines.push(wrapper);
+                self.program.routines.push(made);
             }
             Some(other) => {
                 let span = other.span();

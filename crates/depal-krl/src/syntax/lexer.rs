@@ -186,18 +186,6 @@ impl Lexer<'_> {
         let text = &self.text[start..self.at];
         if integer {
             let value = text.parse::<i64>().unwrap_or(i64::MAX);
-            // The sign before it is read later: the least integer may be written.
-            if value > 2_147_483_648 {
-                let span = self.span(start);
-                self.diagnostics.push(
-                    Diagnostic::error(
-                        "KRL0006",
-                        span,
-                        "this integer is outside -2147483648..2147483647",
-                    )
-                    .help("write it with a decimal point to have a REAL"),
-                );
-            }
             self.push(start, Token::Integer(value));
         } else {
             // Digits, point and exponent as above always read as a number.
@@ -224,7 +212,10 @@ impl Lexer<'_> {
             self.push(start, Token::Integer(i64::from(value as i32)));
             return;
         }
-        self.at += 1;
+        let length = body.find(|c: char| !c.is_alphanumeric());
+        let length = length.unwrap_or(body.len());
+        self.at += 1 + length + usize::from(body[length..].starts_with('\''));
+        self.push(start, Token::Integer(0));
         let span = self.span(start);
         self.diagnostics.push(
             Diagnostic::error("KRL0005", span, "this is no hexadecimal or binary number")

@@ -9,3 +9,6 @@ pub(crate) mod parser;
 pub(crate) mod print;
 mod statement;
 pub(crate) mod tree;
+
+#[cfg(test)]
+mod tests;

@@ -236,6 +236,12 @@ impl Parser<'_> {
 
     /// The end of a statement. What is left on the line is reported and skipped.
     pub(super) fn expect_line_end(&mut self) {
+        self.operators = 0;
+        let begins_line = self.at > 0 && matches!(self.tokens[self.at - 1].token, Token::Line);
+        if begins_line {
+            // A block that is not ended left the next line unread.
+            return;
+        }
         if !self.is_line_end() {
             let found = self.describe();
             self.report(
@@ -244,7 +250,6 @@ impl Parser<'_> {
             );
             self.skip_line();
         }
-        self.operators = 0;
         if matches!(self.peek(), Token::Line) {
             self.advance();
         }

@@ -11,6 +11,9 @@ use depal_vm::execution::{RobotTask, Step};
 use depal_vm::system::*;
 use depal_vm::{Machine, SourceFile, Value};
 
+/// Where the times of moves lie that are put aside.
+const AWAY: SimTime = SimTime::from_nanos(1_000_000_000_000_000);
+
 pub struct Motion {
     pub begin: SimTime,
     pub end: SimTime,
@@ -26,6 +29,8 @@ pub struct FakeSystem {
     pub changes: Vec<(SimTime, String, f64)>,
     pub moves: Vec<Motion>,
     pub held: Option<SimTime>,
+    /// When the path that is put aside was held.
+    pub aside: Option<SimTime>,
     pub refuse_move: Option<usize>,
     pub answers: VecDeque<String>,
     pub joint_count: usize,
@@ -44,6 +49,7 @@ impl Default for FakeSystem {
             changes: Vec::new(),
             moves: Vec::new(),
             held: None,
+            aside: None,
             refuse_move: None,
             answers: VecDeque::new(),
             joint_count: 6,
@@ -119,7 +125,9 @@ pub fn run_files(files: &[(&str, &str)]) -> Vec<String> {
         Step::Finished => {}
         Step::Failed(error) => {
             let report = error.report(system.now);
-            system.trace.push(report.lines().next().unwrap_or_default().into());
+            system
+                .trace
+                .push(report.lines().next().unwrap_or_default().into());
         }
         end => system.trace.push(format!("{end:?}")),
     }
@@ -233,9 +241,7 @@ impl System for FakeSystem {
             }));
         }
         let (target, to) = match &request.target {
-            MoveTarget::Joints(joints) => {
-                (format!("joints {:.1?}", joints.to_degrees()), *joints)
-            }
+            MoveTarget::Joints(joints) => (format!("joints {:.1?}", joints.to_degrees()), *joints),
             MoveTarget::Tcp(pose) | MoveTarget::Arc { to: pose, .. } => {
                 let [x, y, z, a, b, c] = EulerConvention::KukaAbc.mm_deg_from_pose(pose);
                 let round = |v: f64| (v * 10.0).round() / 10.0 + 0.0;
@@ -258,7 +264,8 @@ impl System for FakeSystem {
             "line {} {:?} {target} at {speed} {zone}",
             request.location.line, request.kind
         ));
-        let begin = self.moves.last().map_or(self.now, |m| m.end.max(self.now));
+        let here = self.moves.iter().filter(|m| m.begin < AWAY);
+        let begin = here.map(|m| m.end).fold(self.now, SimTime::max);
         self.moves.push(Motion {
             begin,
             end: begin + SimDuration::from_millis(100),
@@ -315,11 +322,22 @@ impl System for FakeSystem {
 
     fn store_path(&mut self) -> Poll<Result<(), Fault>> {
         self.note("store".into());
+        let held = self.held.take().unwrap_or(self.now);
+        for motion in self.moves.iter_mut().filter(|m| m.end > held) {
+            motion.begin += AWAY.saturating_since(SimTime::ZERO);
+            motion.end += AWAY.saturating_since(SimTime::ZERO);
+        }
+        self.aside = Some(held);
         Poll::Ready(Ok(()))
     }
 
     fn restore_path(&mut self) -> Result<(), Fault> {
         self.note("restore".into());
+        for motion in self.moves.iter_mut().filter(|m| m.begin >= AWAY) {
+            motion.begin = SimTime::ZERO + motion.begin.saturating_since(AWAY);
+            motion.end = SimTime::ZERO + motion.end.saturating_since(AWAY);
+        }
+        self.held = self.aside.take();
         Ok(())
     }
 

@@ -4,21 +4,34 @@ use crate::fake_system::*;
 
 #[test]
 fn integer_division_cuts_towards_zero() {
-    assert_eq!(shown("DECL INT a, b", "a = 7 / 2\nb = -7 / 2", "a*100 + b"), "297");
+    assert_eq!(
+        shown("DECL INT a, b", "a = 7 / 2\nb = -7 / 2", "a*100 + b"),
+        "297"
+    );
 }
 
 #[test]
 fn a_real_rounds_when_it_becomes_an_integer() {
     let values = [("2.5", "3"), ("-2.5", "-3"), ("2.4", "2"), ("7 / 2.0", "4")];
     for (value, expected) in values {
-        assert_eq!(shown("DECL INT i", &format!("i = {value}"), "i"), expected, "{value}");
+        assert_eq!(
+            shown("DECL INT i", &format!("i = {value}"), "i"),
+            expected,
+            "{value}"
+        );
     }
 }
 
 #[test]
 fn one_real_operand_makes_the_operation_real() {
-    assert_eq!(shown("DECL REAL r\nDECL INT i", "i = 1\nr = i / 2.0 + 1 / 2", "r"), "0.5");
-    assert_eq!(shown("DECL REAL r\nDECL INT i", "i = 3\nr = 2.0 * (i + 1)", "r"), "8");
+    assert_eq!(
+        shown("DECL REAL r\nDECL INT i", "i = 1\nr = i / 2.0 + 1 / 2", "r"),
+        "0.5"
+    );
+    assert_eq!(
+        shown("DECL REAL r\nDECL INT i", "i = 3\nr = 2.0 * (i + 1)", "r"),
+        "8"
+    );
 }
 
 #[test]
@@ -37,16 +50,35 @@ fn bits() {
 
 #[test]
 fn not_binds_tighter_than_and() {
-    assert_eq!(shown("DECL BOOL a", "a = NOT FALSE AND FALSE", "a"), "FALSE");
-    assert_eq!(shown("DECL BOOL a", "a = TRUE EXOR TRUE OR TRUE", "a"), "TRUE");
+    assert_eq!(
+        shown("DECL BOOL a", "a = NOT FALSE AND FALSE", "a"),
+        "FALSE"
+    );
+    assert_eq!(
+        shown("DECL BOOL a", "a = TRUE EXOR TRUE OR TRUE", "a"),
+        "TRUE"
+    );
 }
 
 #[test]
 fn counting_loops() {
     let text = "DECL INT i, n";
-    assert_eq!(shown(text, "n = 0\nFOR i = 1 TO 4\nn = n + i\nENDFOR", "n*10 + i"), "105");
-    assert_eq!(shown(text, "n = 0\nFOR i = 5 TO 1 STEP -2\nn = n*10 + i\nENDFOR", "n"), "531");
-    assert_eq!(shown(text, "n = 0\nFOR i = 2 TO 1\nn = 9\nENDFOR", "n"), "0");
+    assert_eq!(
+        shown(text, "n = 0\nFOR i = 1 TO 4\nn = n + i\nENDFOR", "n*10 + i"),
+        "105"
+    );
+    assert_eq!(
+        shown(
+            text,
+            "n = 0\nFOR i = 5 TO 1 STEP -2\nn = n*10 + i\nENDFOR",
+            "n"
+        ),
+        "531"
+    );
+    assert_eq!(
+        shown(text, "n = 0\nFOR i = 2 TO 1\nn = 9\nENDFOR", "n"),
+        "0"
+    );
     let computed = "n = 0\nFOR i = 3 TO 1 STEP n - 1\nn = n + 0\nENDFOR";
     assert_eq!(shown(text, computed, "i"), "0");
 }
@@ -54,14 +86,23 @@ fn counting_loops() {
 #[test]
 fn the_bounds_of_a_counting_loop_are_computed_once() {
     let text = "n = 2\nFOR i = 1 TO n\nn = 9\nk = k + 1\nENDFOR";
-    assert_eq!(shown("DECL INT i, n, k", &format!("k = 0\n{text}"), "k"), "2");
+    assert_eq!(
+        shown("DECL INT i, n, k", &format!("k = 0\n{text}"), "k"),
+        "2"
+    );
 }
 
 #[test]
 fn loops_with_conditions() {
     let text = "DECL INT i";
-    assert_eq!(shown(text, "i = 0\nWHILE i < 3\ni = i + 1\nENDWHILE", "i"), "3");
-    assert_eq!(shown(text, "i = 9\nREPEAT\ni = i + 1\nUNTIL i > 3", "i"), "10");
+    assert_eq!(
+        shown(text, "i = 0\nWHILE i < 3\ni = i + 1\nENDWHILE", "i"),
+        "3"
+    );
+    assert_eq!(
+        shown(text, "i = 9\nREPEAT\ni = i + 1\nUNTIL i > 3", "i"),
+        "10"
+    );
     let text2 = "i = 0\nLOOP\ni = i + 1\nIF i == 5 THEN\nEXIT\nENDIF\nENDLOOP";
     assert_eq!(shown(text, text2, "i"), "5");
 }
@@ -98,7 +139,14 @@ fn structures_keep_what_an_aggregate_does_not_name() {
 #[test]
 fn arrays_count_from_1_in_up_to_three_dimensions() {
     let text = "a[1,1,1] = 1\na[2,3,4] = 24\na[2,1,4] = 5";
-    assert_eq!(shown("DECL INT a[2,3,4]", text, "a[2,3,4]*10 + a[1,1,1] + a[2,1,4]"), "246");
+    assert_eq!(
+        shown(
+            "DECL INT a[2,3,4]",
+            text,
+            "a[2,3,4]*10 + a[1,1,1] + a[2,1,4]"
+        ),
+        "246"
+    );
 }
 
 #[test]
@@ -124,8 +172,14 @@ fn functions_return_and_call_themselves() {
 
 #[test]
 fn both_sides_of_and_are_computed() {
-    let trace = output("DECL INT a[2], i\nDECL BOOL b", "i = 3\nb = (i < 3) AND (a[i] == 1)");
-    assert_eq!(trace, ["main/main:4: array index 3 is outside 1..2 (dimension 1)"]);
+    let trace = output(
+        "DECL INT a[2], i\nDECL BOOL b",
+        "i = 3\nb = (i < 3) AND (a[i] == 1)",
+    );
+    assert_eq!(
+        trace,
+        ["main/main:5: array index 3 is outside 1..2 (dimension 1)"]
+    );
 }
 
 #[test]
@@ -139,7 +193,10 @@ fn frames_multiply_and_turn_about_z_y_x() {
     let text = "b = {X 100.0, Y 0.0, Z 0.0, A 90.0, B 0.0, C 0.0}\np = {X 10.0, Y 0.0, Z 5.0, A 0.0, B 0.0, C 0.0}\nr = b : p";
     let data = "DECL FRAME b, r\nDECL FRAME p\nDECL INT x, y, z, a";
     let ints = "x = r.X\ny = r.Y\nz = r.Z\na = r.A";
-    let shown_text = output(data, &format!("{text}\n{ints}\nMsgNotify(\"%1 %2 %3\", x, y, z)\nMsgNotify(\"%1\", a)"));
+    let shown_text = output(
+        data,
+        &format!("{text}\n{ints}\nMsgNotify(\"%1 %2 %3\", x, y, z)\nMsgNotify(\"%1\", a)"),
+    );
     assert_eq!(shown_text, ["100 10 5", "90"]);
     let inverse = format!("{text}\nr = INV_POS(b) : b\nx = r.X + r.Y + r.Z + r.A");
     assert_eq!(shown(data, &inverse, "x"), "0");
@@ -148,11 +205,21 @@ fn frames_multiply_and_turn_about_z_y_x() {
 #[test]
 fn geometry_functions_use_degrees() {
     assert_eq!(shown("DECL INT i", "i = 1000 * SIN(30)", "i"), "500");
-    assert_eq!(shown("DECL INT i", "i = ACOS(0.5) + ATAN2(1, 1) + SQRT(16) + ABS(-3)", "i"), "112");
+    assert_eq!(
+        shown(
+            "DECL INT i",
+            "i = ACOS(0.5) + ATAN2(1, 1) + SQRT(16) + ABS(-3)",
+            "i"
+        ),
+        "112"
+    );
 }
 
 #[test]
 fn local_data_begin_anew_in_each_call() {
     let source = "DEF main( )\nsub( )\nsub( )\nEND\nDEF sub( )\nDECL INT n\nn = n + 1\nEND";
-    assert_eq!(run_files(&[("main.src", source)]), ["main/sub:7: n has no value yet"]);
+    assert_eq!(
+        run_files(&[("main.src", source)]),
+        ["main/sub:7: n has no value yet"]
+    );
 }

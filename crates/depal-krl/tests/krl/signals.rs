@@ -21,14 +21,20 @@ fn run_with(changes: &[(u64, &str, f64)], source: &str) -> Vec<String> {
 
 #[test]
 fn outputs_are_set_and_read_back() {
-    let trace = output("DECL BOOL b", "$OUT[3] = TRUE\nb = $OUT[3]\nMsgNotify(\"%1\", b)");
+    let trace = output(
+        "DECL BOOL b",
+        "$OUT[3] = TRUE\nb = $OUT[3]\nMsgNotify(\"%1\", b)",
+    );
     assert_eq!(trace, ["0.000 $OUT[3] = 1", "TRUE"]);
 }
 
 #[test]
 fn a_signal_names_one_or_several() {
     let data = "SIGNAL pump $OUT[1]\nSIGNAL zone $OUT[2] TO $OUT[5]\nDECL INT n";
-    let trace = output(data, "pump = TRUE\nzone = 10\nn = zone\nMsgNotify(\"%1\", n)");
+    let trace = output(
+        data,
+        "pump = TRUE\nzone = 10\nn = zone\nMsgNotify(\"%1\", n)",
+    );
     assert_eq!(
         trace,
         [
@@ -48,11 +54,18 @@ fn a_signal_names_one_or_several() {
 
 #[test]
 fn wait_for_asks_until_it_is_so() {
-    let source = main_of("", "WAIT FOR ($IN[1] == TRUE) AND NOT $IN[2]\n$OUT[1] = TRUE");
+    let source = main_of(
+        "",
+        "WAIT FOR ($IN[1] == TRUE) AND NOT $IN[2]\n$OUT[1] = TRUE",
+    );
     let trace = run_with(&[(50, "$IN[1]", 1.0)], &source);
     assert_eq!(trace, ["0.052 $OUT[1] = 1"]);
     let trace = run_with(
-        &[(10, "$IN[2]", 1.0), (50, "$IN[1]", 1.0), (90, "$IN[2]", 0.0)],
+        &[
+            (10, "$IN[2]", 1.0),
+            (50, "$IN[1]", 1.0),
+            (90, "$IN[2]", 0.0),
+        ],
         &source,
     );
     assert_eq!(trace, ["0.092 $OUT[1] = 1"]);
@@ -66,20 +79,34 @@ fn wait_sec_takes_its_time() {
 
 #[test]
 fn timers_count_milliseconds_while_they_run() {
-    let text = "$TIMER[1] = -100\n$TIMER_STOP[1] = FALSE\nWAIT SEC 0.2\n$TIMER_STOP[1] = TRUE\nWAIT SEC 1";
-    assert_eq!(shown("", text, "$TIMER[1]"), "100");
-    assert_eq!(shown("DECL BOOL b", &format!("{text}\nb = $TIMER_FLAG[1]"), "b"), "TRUE");
-    assert_eq!(shown("DECL BOOL b", "$TIMER[2] = -5\nb = $TIMER_FLAG[2]", "b"), "FALSE");
+    let text =
+        "$TIMER[1] = -100\n$TIMER_STOP[1] = FALSE\nWAIT SEC 0.2\n$TIMER_STOP[1] = TRUE\nWAIT SEC 1";
+    // A wait ends with a tick of 4 ms.
+    assert_eq!(shown("", text, "$TIMER[1]"), "104");
+    assert_eq!(
+        shown("DECL BOOL b", &format!("{text}\nb = $TIMER_FLAG[1]"), "b"),
+        "TRUE"
+    );
+    assert_eq!(
+        shown("DECL BOOL b", "$TIMER[2] = -5\nb = $TIMER_FLAG[2]", "b"),
+        "FALSE"
+    );
 }
 
 #[test]
 fn flags_are_kept() {
-    assert_eq!(shown("DECL BOOL b", "$FLAG[873] = TRUE\nb = $FLAG[873]", "b"), "TRUE");
+    assert_eq!(
+        shown("DECL BOOL b", "$FLAG[873] = TRUE\nb = $FLAG[873]", "b"),
+        "TRUE"
+    );
 }
 
 #[test]
 fn analogue_values() {
-    let trace = output("DECL REAL r", "$ANOUT[1] = 0.5\nr = $ANOUT[1] * 2\nMsgNotify(\"%1\", r)");
+    let trace = output(
+        "DECL REAL r",
+        "$ANOUT[1] = 0.5\nr = $ANOUT[1] * 2\nMsgNotify(\"%1\", r)",
+    );
     assert_eq!(trace, ["0.000 $ANOUT[1] = 0.5", "1"]);
 }
 
@@ -111,7 +138,10 @@ fn signals_the_cabinet_lacks_are_errors_and_can_be_added() {
             "main.src:5:1: error[KRL0109]: $IN can only be read"
         ]
     );
-    let files = sources(&[("main.src", "DEF main( )\nDECL INT i\nSIGNAL g $OUT[99] TO $OUT[100]\ni = 7\n$ANOUT[2] = 1.0\nIF $IN[i] THEN\ng = 1\nENDIF\nEND")]);
+    let files = sources(&[(
+        "main.src",
+        "DEF main( )\nDECL INT i\nSIGNAL g $OUT[99] TO $OUT[100]\ni = 7\n$ANOUT[2] = 1.0\nIF $IN[i] THEN\ng = 1\nENDIF\nEND",
+    )]);
     assert!(load(&files, &signals(), "main").program.is_none());
     let (loaded, added) = load_with_auto_signals(&files, &signals(), "main");
     assert!(loaded.program.is_some(), "{:?}", loaded.diagnostics);

@@ -6,20 +6,63 @@ const DATA: &str = "DECL CHAR s[12], t[12]\nDECL INT n\nDECL BOOL b\nDECL STATE_
 
 #[test]
 fn strings_are_arrays_of_characters() {
-    assert_eq!(shown(DATA, "s[] = \"AB\"\nt[] = s[]\nt[2] = \"x\"", "t[]"), "Ax");
+    assert_eq!(
+        shown(DATA, "s[] = \"AB\"\nt[] = s[]\nt[2] = \"x\"", "t[]"),
+        "Ax"
+    );
     assert_eq!(shown(DATA, "s[] = \"AB\"", "StrLen(s[])"), "2");
-    assert_eq!(shown(DATA, "s[] = \"long\"\ns[] = \"x\"", "StrLen(s[]) * 100 + StrDeclLen(s[])"), "112");
-    assert_eq!(shown(DATA, "s[1] = 65\nn = 0\nIF s[1] == \"A\" THEN\nn = 1\nENDIF", "n"), "1");
+    assert_eq!(
+        shown(
+            DATA,
+            "s[] = \"long\"\ns[] = \"x\"",
+            "StrLen(s[]) * 100 + StrDeclLen(s[])"
+        ),
+        "112"
+    );
+    assert_eq!(
+        shown(
+            DATA,
+            "s[1] = 65\nn = 0\nIF s[1] == \"A\" THEN\nn = 1\nENDIF",
+            "n"
+        ),
+        "1"
+    );
 }
 
 #[test]
 fn string_functions() {
-    assert_eq!(shown(DATA, "s[] = \"AB\"\nb = StrAdd(s[], \"CD\")", "s[]"), "ABCD");
-    assert_eq!(shown(DATA, "s[] = \"0123456789\"\nb = StrAdd(s[], \"abc\")", "b"), "FALSE");
-    assert_eq!(shown(DATA, "s[] = \"abcb\"", "StrFind(3, s[], \"B\", #NOT_CASE_SENS)"), "4");
-    assert_eq!(shown(DATA, "s[] = \"abcb\"", "StrFind(1, s[], \"B\", #CASE_SENS)"), "0");
-    assert_eq!(shown(DATA, "b = StrComp(\"a\", \"A\", #NOT_CASE_SENS)", "b"), "TRUE");
-    assert_eq!(shown(DATA, "b = StrCopy(s[], \"q\")\nb = StrClear(s[])", "StrLen(s[])"), "0");
+    assert_eq!(
+        shown(DATA, "s[] = \"AB\"\nb = StrAdd(s[], \"CD\")", "s[]"),
+        "ABCD"
+    );
+    assert_eq!(
+        shown(DATA, "s[] = \"0123456789\"\nb = StrAdd(s[], \"abc\")", "b"),
+        "FALSE"
+    );
+    assert_eq!(
+        shown(
+            DATA,
+            "s[] = \"abcb\"",
+            "StrFind(3, s[], \"B\", #NOT_CASE_SENS)"
+        ),
+        "4"
+    );
+    assert_eq!(
+        shown(DATA, "s[] = \"abcb\"", "StrFind(1, s[], \"B\", #CASE_SENS)"),
+        "0"
+    );
+    assert_eq!(
+        shown(DATA, "b = StrComp(\"a\", \"A\", #NOT_CASE_SENS)", "b"),
+        "TRUE"
+    );
+    assert_eq!(
+        shown(
+            DATA,
+            "b = StrCopy(s[], \"q\")\nb = StrClear(s[])",
+            "StrLen(s[])"
+        ),
+        "0"
+    );
 }
 
 #[test]
@@ -58,7 +101,10 @@ fn positions_and_arrays_go_through_bytes() {
 fn a_dialog_waits_for_the_key() {
     let mut system = FakeSystem::default();
     system.answers.push_back("2".into());
-    let source = main_of("DECL INT k", "MsgDialog(k, \"which?\")\nMsgNotify(\"%1\", k)");
+    let source = main_of(
+        "DECL INT k",
+        "MsgDialog(k, \"which?\")\nMsgNotify(\"%1\", k)",
+    );
     let mut machine = machine(&[("main.src", &source)]);
     run(&mut machine, &mut system);
     assert_eq!(system.trace, ["which?", "2"]);
