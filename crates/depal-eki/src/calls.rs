@@ -1,6 +1,7 @@
 //! What a program does with a channel: values and documents by path.
 
 use crate::memory::{ElementMemory, Taken};
+use crate::value::FRAME_FIELDS;
 use crate::{
     Channel, EkiError, ElementType, ElementValue, ReceiveFormat, SendFormat, Status, outgoing,
 };
@@ -130,6 +131,11 @@ impl Channel {
             SendFormat::Nothing | SendFormat::Raw(_) => None,
         };
         let Some(index) = index else {
+            if let ElementValue::Frame(frame) = value
+                && let Some(status) = self.set_parts(tag, &frame)
+            {
+                return status;
+            }
             return self.failed(self.unknown_to_send(tag));
         };
         if let Some(message) = unsendable(tag, &value) {
@@ -140,6 +146,28 @@ impl Channel {
         }
         self.values[index] = Some(value);
         self.done(0, 0)
+    }
+
+    /// A frame for six attributes that are elements of their own, `Robot/Pos/@X` and so on.
+    fn set_parts(&mut self, tag: &str, frame: &[f64; 6]) -> Option<Status> {
+        let SendFormat::Xml(elements) = &self.config.send else {
+            return None;
+        };
+        let mut places = [0; 6];
+        for (place, name) in places.iter_mut().zip(FRAME_FIELDS) {
+            let path = format!("{tag}/@{name}");
+            *place = elements.iter().position(|e| e.tag == path)?;
+        }
+        if let Some(message) = unsendable(tag, &ElementValue::Frame(*frame)) {
+            return Some(self.failed(EkiError::Write {
+                tag: tag.to_owned(),
+                message,
+            }));
+        }
+        for (place, number) in places.into_iter().zip(frame) {
+            self.values[place] = Some(ElementValue::Real(*number));
+        }
+        Some(self.done(0, 0))
     }
 
     fn unknown_to_send(&self, tag: &str) -> EkiError {
@@ -167,10 +195,13 @@ impl Channel {
         }
     }
 
-    /// Sends a raw record (`EKI_Send` with bytes).
+    /// Sends a raw record (`EKI_Send` with bytes). Without any element to send, the bytes go out as they are.
     pub fn send_bytes(&mut self, bytes: &[u8]) -> Status {
         let record = match &self.config.send {
             SendFormat::Raw(element) => outgoing::record(element, bytes),
+            SendFormat::Nothing if !matches!(self.config.receive, ReceiveFormat::Xml(_)) => {
+                Ok(bytes.to_vec())
+            }
             SendFormat::Nothing | SendFormat::Xml(_) => Err(EkiError::Write {
                 tag: "(bytes)".to_owned(),
                 message: "the SEND section of the configuration has no RAW element".to_owned(),

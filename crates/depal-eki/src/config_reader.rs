@@ -396,7 +396,7 @@ fn raw(
         size = says
             .number(element.line, &key, text, 1, largest)
             .map(|n| n as usize);
-    } else {
+    } else if node_receives(path) {
         says.error(
             element.line,
             format!("{path}/@Size"),
@@ -410,6 +410,11 @@ fn raw(
         signals: says.signals(element, path),
         mode: says.mode(element, path, config.buffering.mode),
     })
+}
+
+/// What is sent may have any length.
+fn node_receives(path: &str) -> bool {
+    path.starts_with("RECEIVE")
 }
 
 /// `EOS="13,10"`: decimal numbers of bytes.

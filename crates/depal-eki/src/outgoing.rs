@@ -100,7 +100,7 @@ impl Branch<'_> {
 }
 
 /// A raw record: of fixed length filled up with zeros, of variable length up to the first zero byte, with its end
-/// string.
+/// string; else as it is.
 pub(crate) fn record(element: &RawElement, bytes: &[u8]) -> Result<Vec<u8>, EkiError> {
     let mut record = bytes.to_vec();
     if let Some(size) = element.size {
@@ -111,7 +111,7 @@ pub(crate) fn record(element: &RawElement, bytes: &[u8]) -> Result<Vec<u8>, EkiE
             });
         }
         record.resize(size, 0);
-    } else {
+    } else if !element.end.is_empty() {
         let length = record.iter().position(|byte| *byte == 0);
         record.truncate(length.unwrap_or(record.len()));
         record.extend_from_slice(&element.end);

@@ -30,6 +30,11 @@
 //!
 //! Signals of the cabinet are named as programs write them: `$IN[5]`, `$OUT[5]`, `$ANIN[1]`, `$ANOUT[1]`.
 //!
+//! Ethernet KRL: [`Loaded::with_channels`] gives a program its channels. What arrives is taken in whenever a flag is
+//! read or a channel is called, so that waits and interrupts on `$FLAG` see it; an output of `Set_Out` follows then.
+//! A channel lasts as long as its task, whatever ENVIRONMENT says. A call that fails tells it in `MSG_NO` and in the
+//! event log, and the program goes on; `EKI_CHECK(ret, #QUIT)` stops it.
+//!
 //! The program runs up to `$ADVANCE` moves ahead of the arm. Inputs and outputs, waits, HALT, the actual position
 //! and messages wait for the arm first, unless CONTINUE stands before the statement. Errors stop the program.
 //!

@@ -47,3 +47,13 @@ fn raw_records_are_filled_up_or_ended() {
     channel.send_bytes(b"hello\0\0");
     assert_eq!(channel.take_outgoing(), b"hello\r\n");
 }
+
+#[test]
+fn without_a_size_bytes_go_out_as_they_are() {
+    let any_size = r#"<RAW><ELEMENT Tag="Out" Type="BYTE"/></RAW>"#;
+    for send in [any_size, ""] {
+        let mut channel = connected("", BYTE, send);
+        assert_eq!(channel.send_bytes(&[1, 0, 2]).message_number(), 0);
+        assert_eq!(channel.take_outgoing(), [1, 0, 2]);
+    }
+}

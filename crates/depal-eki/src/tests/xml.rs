@@ -189,3 +189,22 @@ fn a_lock_keeps_bytes_back() {
     let error = channel.receive(&[b' '; 101], ms(0)).unwrap_err();
     assert_eq!(error.number(), 1281);
 }
+
+#[test]
+fn a_frame_fills_attributes_that_are_elements_of_their_own() {
+    let parts: Vec<_> = ["X", "Y", "Z", "A", "B", "C"]
+        .iter()
+        .map(|name| format!("<ELEMENT Tag=\"R/Pos/@{name}\"/>"))
+        .collect();
+    let mut channel = connected("", "", &format!("<XML>{}</XML>", parts.concat()));
+    let frame = ElementValue::Frame([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    assert_eq!(channel.set("R/Pos", frame.clone()).message_number(), 0);
+    channel.send("R");
+    let text = String::from_utf8(channel.take_outgoing()).unwrap();
+    assert_eq!(
+        text,
+        "<R><Pos X=\"1.000000\" Y=\"2.000000\" Z=\"3.000000\" A=\"4.000000\" B=\"5.000000\" C=\"6.000000\"/></R>"
+    );
+    let mut channel = connected("", "", &format!("<XML>{}</XML>", parts[..5].concat()));
+    assert_eq!(channel.set("R/Pos", frame).message_number(), 14);
+}

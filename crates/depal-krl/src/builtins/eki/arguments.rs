@@ -16,13 +16,16 @@ pub(super) fn record(status: &Status) -> Value {
     ])
 }
 
-/// The codes of a character array; what has no value is zero.
+/// The codes of a character array up to the last one that has a value; what has none before it is zero.
 pub(super) fn bytes(context: &CallContext<'_>, argument: usize) -> Result<Vec<u8>, RaisedError> {
     match context.required(argument)? {
-        Value::Array(codes) => Ok(codes
-            .iter()
-            .map(|code| code.as_number().unwrap_or(0.0) as u8)
-            .collect()),
+        Value::Array(codes) => {
+            let last = codes.iter().rposition(|code| code.as_number().is_some());
+            let codes = codes.iter().take(last.map_or(0, |last| last + 1));
+            Ok(codes
+                .map(|code| code.as_number().unwrap_or(0.0) as u8)
+                .collect())
+        }
         Value::Str(text) => Ok(text.chars().map(|c| c as u32 as u8).collect()),
         other => Err(context.argument_error(format!(
             "expected a character array, found {}",

@@ -39,6 +39,8 @@ pub(super) struct Cabinet {
     pub(super) moves: Vec<MoveRequest>,
     pub(super) log: Vec<String>,
     pub(super) jobs: Vec<Job>,
+    /// Poses have no axes.
+    pub(super) is_out_of_reach: bool,
     joints: JointPositions,
     sockets: u32,
     open: Vec<SocketId>,
@@ -64,6 +66,7 @@ impl Cabinet {
             moves: Vec::new(),
             log: Vec::new(),
             jobs: Vec::new(),
+            is_out_of_reach: false,
             joints: JointPositions::from_degrees(&[10.0, -90.0, 90.0, 0.0, 45.0, 0.0]),
             sockets: 0,
             open: Vec::new(),
@@ -255,6 +258,11 @@ impl System for Cabinet {
     }
 
     fn inverse(&self, _: &Pose, near: &JointPositions) -> Result<JointPositions, Fault> {
+        if self.is_out_of_reach {
+            return Err(Fault::OutOfReach {
+                message: "too far".into(),
+            });
+        }
         Ok(near.clone())
     }
 

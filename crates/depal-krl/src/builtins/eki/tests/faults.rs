@@ -123,3 +123,14 @@ fn a_program_that_starts_again_finds_no_old_state() {
     finished(&mut machine, &mut little());
     assert_eq!(ints(&machine, "ST", 1), [1101]);
 }
+
+#[test]
+fn a_calibration_pose_out_of_reach_is_reported() {
+    let mut machine = with_module(&format!("{INIT}  MM_Calib(1,1,0.0,0.0)"), DATA);
+    let mut cabinet = little();
+    cabinet.is_out_of_reach = true;
+    let end = run(&mut machine, &mut cabinet);
+    assert!(matches!(end, Step::Stopped(_)), "{end:?}");
+    assert_eq!(cabinet.answered, [7101, 7004]);
+    assert_eq!(cabinet.moves.len(), 0);
+}
