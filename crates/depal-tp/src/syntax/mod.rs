@@ -11,7 +11,6 @@ mod print;
 mod statement;
 pub(crate) mod tree;
 
-pub(crate) use keywords::canonical;
 pub(crate) use listing::parse;
 pub(crate) use print::print;
 

@@ -4,3 +4,5 @@ mod control;
 mod fake_system;
 mod motion;
 mod values;
+mod vision;
+mod vision_calls;
