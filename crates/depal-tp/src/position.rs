@@ -89,7 +89,9 @@ impl Position {
 
 /// x, y, z in mm and W, P, R in degrees; no zero with a sign.
 pub(crate) fn shown_pose(pose: &Pose) -> [f64; 6] {
-    EulerConvention::FanucWpr.mm_deg_from_pose(pose).map(|v| v + 0.0)
+    EulerConvention::FanucWpr
+        .mm_deg_from_pose(pose)
+        .map(|v| v + 0.0)
 }
 
 /// Axes of the arm (radians, each against the link before) from those the controller shows (degrees).

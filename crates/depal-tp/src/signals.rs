@@ -55,7 +55,9 @@ fn statement(statement: &Statement, found: &mut Found) {
             expression(condition, found);
             action(a, found);
         }
-        Statement::IfThen(e) | Statement::WaitSeconds(e) | Statement::SkipCondition(e) => expression(e, found),
+        Statement::IfThen(e) | Statement::WaitSeconds(e) | Statement::SkipCondition(e) => {
+            expression(e, found)
+        }
         Statement::For { from, to, .. } => {
             expression(from, found);
             expression(to, found);
@@ -113,14 +115,18 @@ fn expression(expr: &Expr, found: &mut Found) {
 fn item(item: &Item, found: &mut Found) {
     let kind = match item.kind {
         ItemKind::Di | ItemKind::Ri | ItemKind::Ui | ItemKind::Si => Some(SignalKind::DigitalInput),
-        ItemKind::Do | ItemKind::Ro | ItemKind::Uo | ItemKind::So => Some(SignalKind::DigitalOutput),
+        ItemKind::Do | ItemKind::Ro | ItemKind::Uo | ItemKind::So => {
+            Some(SignalKind::DigitalOutput)
+        }
         ItemKind::Gi => Some(SignalKind::GroupInput),
         ItemKind::Go => Some(SignalKind::GroupOutput),
         ItemKind::Ai => Some(SignalKind::AnalogInput),
         ItemKind::Ao => Some(SignalKind::AnalogOutput),
         _ => None,
     };
-    if let (Some(kind), Some(ExprKind::Number { value, .. })) = (kind, item.indexes.first().map(|i| &i.kind)) {
+    if let (Some(kind), Some(ExprKind::Number { value, .. })) =
+        (kind, item.indexes.first().map(|i| &i.kind))
+    {
         found.insert(SignalUse {
             name: format!("{}[{value}]", item.kind.name()),
             kind,

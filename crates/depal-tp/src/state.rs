@@ -29,8 +29,22 @@ pub(crate) const SETTINGS: u32 = 15;
 pub(crate) const COUNT: u32 = 16;
 
 const NAMES: [&str; COUNT as usize] = [
-    "R", "R written", "PR", "SR", "F", "M", "TIMER", "UFRAME", "UTOOL", "numbers", "system variables",
-    "conditions", "vision link", "vision points", "vision outputs", "settings",
+    "R",
+    "R written",
+    "PR",
+    "SR",
+    "F",
+    "M",
+    "TIMER",
+    "UFRAME",
+    "UTOOL",
+    "numbers",
+    "system variables",
+    "conditions",
+    "vision link",
+    "vision points",
+    "vision outputs",
+    "settings",
 ];
 
 /// In [`NUMBERS`].
@@ -58,7 +72,10 @@ pub(crate) fn initial(options: &Options) -> (Vec<Value>, Vec<String>) {
     let zero = || Position::cartesian([0.0; 6]).to_value();
     let mut registers = vec![Value::Absent; REGISTERS as usize];
     for (number, value) in &options.registers {
-        if let Some(slot) = (*number as usize).checked_sub(1).and_then(|i| registers.get_mut(i)) {
+        if let Some(slot) = (*number as usize)
+            .checked_sub(1)
+            .and_then(|i| registers.get_mut(i))
+        {
             *slot = Value::Dnum(stored(*value));
         }
     }
@@ -66,7 +83,10 @@ pub(crate) fn initial(options: &Options) -> (Vec<Value>, Vec<String>) {
     let mut tools = vec![zero(); TOOL_COUNT as usize];
     for (to, from) in [(&mut frames, &options.frames), (&mut tools, &options.tools)] {
         for (number, values) in from {
-            if let Some(slot) = (*number as usize).checked_sub(1).and_then(|i| to.get_mut(i)) {
+            if let Some(slot) = (*number as usize)
+                .checked_sub(1)
+                .and_then(|i| to.get_mut(i))
+            {
                 *slot = Position::cartesian(*values).to_value();
             }
         }
@@ -79,10 +99,7 @@ pub(crate) fn initial(options: &Options) -> (Vec<Value>, Vec<String>) {
         ])
     });
     let stopped = Value::Record(vec![Value::Bool(false), Value::Dnum(0.0), Value::Int(0)]);
-    let system = Value::Array(vec![
-        Value::Str("$WAITTMOUT".into()),
-        Value::Dnum(3000.0),
-    ]);
+    let system = Value::Array(vec![Value::Str("$WAITTMOUT".into()), Value::Dnum(3000.0)]);
     let values = vec![
         Value::Array(registers),
         Value::Array(vec![Value::Bool(false); REGISTERS as usize]),
@@ -133,7 +150,12 @@ pub(crate) fn items_mut(memory: &mut Memory, slot: u32) -> Option<&mut Vec<Value
 }
 
 /// Place in an array of something numbered from 1.
-pub(crate) fn place(memory: &Memory, slot: u32, name: &str, index: f64) -> Result<usize, RaisedError> {
+pub(crate) fn place(
+    memory: &Memory,
+    slot: u32,
+    name: &str,
+    index: f64,
+) -> Result<usize, RaisedError> {
     let count = items(memory, slot).len();
     if index.fract() == 0.0 && index >= 1.0 && index <= count as f64 {
         Ok(index as usize - 1)
@@ -175,7 +197,11 @@ pub(crate) fn position(memory: &Memory, index: f64) -> Result<Position, RaisedEr
     }
 }
 
-pub(crate) fn set_position(memory: &mut Memory, index: f64, position: &Position) -> Result<(), RaisedError> {
+pub(crate) fn set_position(
+    memory: &mut Memory,
+    index: f64,
+    position: &Position,
+) -> Result<(), RaisedError> {
     let place = place(memory, PR, "PR", index)?;
     if let Some(items) = items_mut(memory, PR) {
         items[place] = position.to_value();
@@ -219,7 +245,9 @@ pub(crate) fn group_of(memory: &Memory, output: u32) -> Option<(String, u32)> {
         Value::Record(fields) => match fields.as_slice() {
             [Value::Str(signal), Value::Int(first), Value::Int(bits)] => {
                 let bit = i64::from(output) - first;
-                (0..*bits).contains(&bit).then(|| (signal.clone(), bit as u32))
+                (0..*bits)
+                    .contains(&bit)
+                    .then(|| (signal.clone(), bit as u32))
             }
             _ => None,
         },

@@ -46,16 +46,24 @@ fn abort(_: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
 }
 
 fn refuse(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
-    Err(interpreter(format!("Unimplemented TP instruction: {}", context.string(0)?)))
+    Err(interpreter(format!(
+        "Unimplemented TP instruction: {}",
+        context.string(0)?
+    )))
 }
 
 fn missing_label(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     let index = number(context, 0)?;
-    Err(interpreter(format!("Label not found: there is no LBL[{index}] in this program")))
+    Err(interpreter(format!(
+        "Label not found: there is no LBL[{index}] in this program"
+    )))
 }
 
 fn missing_program(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
-    Err(error("MEMO", format!("Program does not exist: {}", context.string(0)?)))
+    Err(error(
+        "MEMO",
+        format!("Program does not exist: {}", context.string(0)?),
+    ))
 }
 
 fn run(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {

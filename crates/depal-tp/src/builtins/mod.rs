@@ -8,7 +8,6 @@ mod registers;
 mod signals;
 mod timing;
 
-
 pub(crate) use signals::set_output;
 
 use depal_vm::{Builtin, BuiltinFn, CallContext, Outcome, RaisedError, Value};
@@ -51,9 +50,9 @@ pub fn built_in_names() -> Vec<&'static str> {
 pub(crate) fn number(context: &CallContext<'_>, index: usize) -> Result<f64, RaisedError> {
     match context.value(index)? {
         Some(Value::Bool(value)) => Ok(f64::from(u8::from(*value))),
-        Some(value) => value
-            .as_number()
-            .ok_or_else(|| crate::errors::mismatch(format!("expected a number, found {}", value.kind_name()))),
+        Some(value) => value.as_number().ok_or_else(|| {
+            crate::errors::mismatch(format!("expected a number, found {}", value.kind_name()))
+        }),
         None => Err(crate::errors::uninitialized("an argument")),
     }
 }

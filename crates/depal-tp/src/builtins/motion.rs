@@ -71,7 +71,9 @@ fn check_frames(memory: &Memory, goal: &Goal<'_>) -> Result<(), RaisedError> {
     {
         return Err(error(
             "INTP-252",
-            format!("User frame number mismatch: {name} was taught in UF {frame}, UFRAME_NUM is {in_use}"),
+            format!(
+                "User frame number mismatch: {name} was taught in UF {frame}, UFRAME_NUM is {in_use}"
+            ),
         ));
     }
     let in_use = state::number(memory, state::UTOOL_NUM);
@@ -88,8 +90,16 @@ fn check_frames(memory: &Memory, goal: &Goal<'_>) -> Result<(), RaisedError> {
 /// The frames in use: `base_from_frame` and `flange_from_tcp`.
 fn frames(memory: &Memory) -> (Pose, Pose) {
     (
-        state::frame(memory, state::FRAMES, state::number(memory, state::UFRAME_NUM)),
-        state::frame(memory, state::TOOLS, state::number(memory, state::UTOOL_NUM)),
+        state::frame(
+            memory,
+            state::FRAMES,
+            state::number(memory, state::UFRAME_NUM),
+        ),
+        state::frame(
+            memory,
+            state::TOOLS,
+            state::number(memory, state::UTOOL_NUM),
+        ),
     )
 }
 
@@ -97,7 +107,11 @@ fn frames(memory: &Memory) -> (Pose, Pose) {
 ///
 /// An offset moves the target in the user frame (`offset * target`), a tool offset in the tool frame
 /// (`target * offset`); offsets of joint angles are added to joint angles.
-fn resolve(memory: &Memory, system: &dyn System, goal: &Goal<'_>) -> Result<MoveTarget, RaisedError> {
+fn resolve(
+    memory: &Memory,
+    system: &dyn System,
+    goal: &Goal<'_>,
+) -> Result<MoveTarget, RaisedError> {
     check_frames(memory, goal)?;
     if !goal.position.is_complete() {
         return Err(uninitialized(goal.name));
@@ -109,7 +123,11 @@ fn resolve(memory: &Memory, system: &dyn System, goal: &Goal<'_>) -> Result<Move
     if goal.is_incremental {
         let planned = system.planned_joints();
         if position.is_joint {
-            for (value, now) in position.values.iter_mut().zip(shown_from_arm(&planned, coupled)) {
+            for (value, now) in position
+                .values
+                .iter_mut()
+                .zip(shown_from_arm(&planned, coupled))
+            {
                 *value += now;
             }
         } else {
@@ -127,14 +145,21 @@ fn resolve(memory: &Memory, system: &dyn System, goal: &Goal<'_>) -> Result<Move
             }
         }
         let joints = arm_from_shown(&position.values, count, coupled);
-        let is_moved = goal.offset.as_ref().is_some_and(|(offset, _)| !offset.is_joint)
+        let is_moved = goal
+            .offset
+            .as_ref()
+            .is_some_and(|(offset, _)| !offset.is_joint)
             || goal.tool_offset.is_some();
         if !is_moved {
             return Ok(MoveTarget::Joints(joints));
         }
         let base_from_tcp = system.forward(&joints) * flange_from_tcp;
         position = Position::from_pose(&(base_from_frame.inverse() * base_from_tcp));
-    } else if goal.offset.as_ref().is_some_and(|(offset, _)| offset.is_joint) {
+    } else if goal
+        .offset
+        .as_ref()
+        .is_some_and(|(offset, _)| offset.is_joint)
+    {
         return Err(mismatch(format!(
             "{} is Cartesian, its offset holds joint angles",
             goal.name
@@ -146,11 +171,14 @@ fn resolve(memory: &Memory, system: &dyn System, goal: &Goal<'_>) -> Result<Move
             Some(number) => state::frame(memory, state::FRAMES, *number),
             None => base_from_frame,
         };
-        base_from_tcp = base_from_offset * offset.pose() * base_from_offset.inverse() * base_from_tcp;
+        base_from_tcp =
+            base_from_offset * offset.pose() * base_from_offset.inverse() * base_from_tcp;
     }
     if let Some(offset) = &goal.tool_offset {
         if offset.is_joint {
-            return Err(mismatch("a tool offset is Cartesian, the register holds joint angles"));
+            return Err(mismatch(
+                "a tool offset is Cartesian, the register holds joint angles",
+            ));
         }
         base_from_tcp *= offset.pose();
     }
@@ -159,11 +187,15 @@ fn resolve(memory: &Memory, system: &dyn System, goal: &Goal<'_>) -> Result<Move
 
 /// Length of the tool's path from where the queue ends, metres.
 fn way(system: &dyn System, target: &MoveTarget, flange_from_tcp: &Pose) -> f64 {
-    let begin = (system.forward(&system.planned_joints()) * flange_from_tcp).translation.vector;
+    let begin = (system.forward(&system.planned_joints()) * flange_from_tcp)
+        .translation
+        .vector;
     match target {
-        MoveTarget::Joints(joints) => {
-            ((system.forward(joints) * flange_from_tcp).translation.vector - begin).norm()
-        }
+        MoveTarget::Joints(joints) => ((system.forward(joints) * flange_from_tcp)
+            .translation
+            .vector
+            - begin)
+            .norm(),
         MoveTarget::Tcp(to) => (to.translation.vector - begin).norm(),
         MoveTarget::Arc { through, to } => {
             (through.coords - begin).norm() + (to.translation.vector - through.coords).norm()
@@ -199,7 +231,9 @@ fn speed(
     let share = state::number(context.memory, state::OVERRIDE) / 100.0;
     let acceleration = optional(context, argument::ACCELERATION)?.unwrap_or(100.0);
     if !(0.0..=150.0).contains(&acceleration) {
-        return Err(interpreter(format!("Invalid value: ACC{acceleration}; 0 to 150 are possible")));
+        return Err(interpreter(format!(
+            "Invalid value: ACC{acceleration}; 0 to 150 are possible"
+        )));
     }
     let value = optional(context, argument::SPEED)?.unwrap_or(100.0);
     let mut speed = MoveSpeed {
@@ -230,12 +264,18 @@ fn speed(
     Ok(speed)
 }
 
-fn zone(context: &CallContext<'_>, kind: MoveKind, speed: &MoveSpeed) -> Result<MoveZone, RaisedError> {
+fn zone(
+    context: &CallContext<'_>,
+    kind: MoveKind,
+    speed: &MoveSpeed,
+) -> Result<MoveZone, RaisedError> {
     let Some(value) = optional(context, argument::CONTINUOUS)? else {
         return Ok(MoveZone::Fine);
     };
     if !(0.0..=100.0).contains(&value) {
-        return Err(interpreter(format!("Invalid value: CNT{value}; 0 to 100 are possible")));
+        return Err(interpreter(format!(
+            "Invalid value: CNT{value}; 0 to 100 are possible"
+        )));
     }
     let tcp = match kind {
         MoveKind::Joint => CORNER_TCP * speed.joint_fraction,
@@ -258,11 +298,20 @@ fn along(context: &CallContext<'_>) -> Result<Vec<PathEvent>, RaisedError> {
         let word = context.string(at + 2)?;
         let index = number(context, at + 3)?;
         let value = number(context, at + 4)?;
+        if word == "DO" && state::group_of(context.memory, index as u32).is_some() {
+            return Err(interpreter(format!(
+                "DO[{index}] is a bit of a group; switching it along a move is not simulated"
+            )));
+        }
         let time = SimDuration::from_secs_f64(amount.clamp(0.0, 60.0));
         let (place, lead, delay) = match when {
             0 => (0.0, time, SimDuration::default()),
             1 => (0.0, SimDuration::default(), time),
-            _ => (amount.max(0.0) * 1e-3, SimDuration::default(), SimDuration::default()),
+            _ => (
+                amount.max(0.0) * 1e-3,
+                SimDuration::default(),
+                SimDuration::default(),
+            ),
         };
         events.push(PathEvent {
             place: PathPlace::BeforeEnd(place),
@@ -284,14 +333,19 @@ fn offset(context: &CallContext<'_>, index: usize) -> Result<Option<Position>, R
             let held = state::items(context.memory, state::CONDITIONS).get(*which as usize);
             match held.and_then(Position::from_value) {
                 Some(position) => Ok(Some(position)),
-                None => Err(uninitialized("the offset (no OFFSET CONDITION came before)")),
+                None => Err(uninitialized(
+                    "the offset (no OFFSET CONDITION came before)",
+                )),
             }
         }
         Some(value) => as_position(value).map(Some),
     }
 }
 
-fn request(context: &CallContext<'_>, system: &dyn System) -> Result<(MoveRequest, Vec<PathEvent>), RaisedError> {
+fn request(
+    context: &CallContext<'_>,
+    system: &dyn System,
+) -> Result<(MoveRequest, Vec<PathEvent>), RaisedError> {
     let kind = match number(context, argument::KIND)? as i64 {
         0 => MoveKind::Joint,
         _ => MoveKind::Linear,
@@ -324,6 +378,10 @@ fn request(context: &CallContext<'_>, system: &dyn System) -> Result<(MoveReques
             through: Point::from(through.translation.vector),
             to: pose_of(target),
         };
+    }
+    if let (MoveKind::Linear, MoveTarget::Joints(joints)) = (kind, &target) {
+        // A straight line to taught joints ends at the pose that they make.
+        target = MoveTarget::Tcp(system.forward(joints) * flange_from_tcp);
     }
     let speed = speed(context, system, &target, &flange_from_tcp)?;
     let request = MoveRequest {

@@ -46,7 +46,9 @@ fn combine(operator: Operator, left: &Value, right: &Value) -> Result<Value, Rai
             };
             let (left, right) = (as_position(left)?, as_position(right)?);
             if left.is_joint != right.is_joint {
-                return Err(mismatch("one position is Cartesian, the other holds joint angles"));
+                return Err(mismatch(
+                    "one position is Cartesian, the other holds joint angles",
+                ));
             }
             let mut values = left.values;
             for (value, other) in values.iter_mut().zip(right.values) {
@@ -147,15 +149,24 @@ fn function(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
             return answer(Value::Dnum(text.chars().count() as f64));
         }
         Function::Findstr => {
-            let (text, wanted) = (context.string(1)?.to_uppercase(), context.string(2)?.to_uppercase());
-            let at = text.find(&wanted).map_or(0, |at| text[..at].chars().count() + 1);
+            let (text, wanted) = (
+                context.string(1)?.to_uppercase(),
+                context.string(2)?.to_uppercase(),
+            );
+            let at = text
+                .find(&wanted)
+                .map_or(0, |at| text[..at].chars().count() + 1);
             return answer(Value::Dnum(at as f64));
         }
         Function::Substr => {
             let text = context.string(1)?;
             let (from, count) = (number(context, 2)?, number(context, 3)?);
             let length = text.chars().count();
-            if from < 1.0 || from > length as f64 || count < 0.0 || from - 1.0 + count > length as f64 {
+            if from < 1.0
+                || from > length as f64
+                || count < 0.0
+                || from - 1.0 + count > length as f64
+            {
                 return Err(interpreter(format!(
                     "Invalid argument: SUBSTR from {from}, {count} characters, of a text of {length}"
                 )));

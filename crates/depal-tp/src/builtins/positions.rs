@@ -89,10 +89,11 @@ fn taught(context: &CallContext<'_>, slot: u32, index: f64) -> Option<usize> {
 fn read_taught(context: &CallContext<'_>) -> Result<Position, RaisedError> {
     let slot = number(context, 0)? as u32;
     let index = number(context, 1)?;
-    let found = taught(context, slot, index).and_then(|at| match &state::items(context.memory, slot)[at] {
-        Value::Array(pair) => pair.get(1).and_then(Position::from_value),
-        _ => None,
-    });
+    let found =
+        taught(context, slot, index).and_then(|at| match &state::items(context.memory, slot)[at] {
+            Value::Array(pair) => pair.get(1).and_then(Position::from_value),
+            _ => None,
+        });
     found.ok_or_else(|| uninitialized(&format!("P[{index}]")))
 }
 
@@ -109,7 +110,9 @@ fn write_taught(context: &mut CallContext<'_>, position: &Position) -> Result<()
     let slot = number(context, 0)? as u32;
     let index = number(context, 1)?;
     if index.fract() != 0.0 || index < 1.0 {
-        return Err(interpreter(format!("Invalid index: there is no P[{index}]")));
+        return Err(interpreter(format!(
+            "Invalid index: there is no P[{index}]"
+        )));
     }
     let at = taught(context, slot, index);
     let pair = Value::Array(vec![Value::Dnum(index), position.to_value()]);
@@ -164,7 +167,11 @@ fn frame_get(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
 }
 
 fn frame_name(slot: u32) -> &'static str {
-    if slot == state::FRAMES { "UFRAME" } else { "UTOOL" }
+    if slot == state::FRAMES {
+        "UFRAME"
+    } else {
+        "UTOOL"
+    }
 }
 
 fn frame_set(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
@@ -185,8 +192,16 @@ fn frame_set(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
 
 /// The tool in the user frame, now.
 pub(crate) fn here(memory: &depal_vm::Memory, system: &dyn System) -> Position {
-    let base_from_frame = state::frame(memory, state::FRAMES, state::number(memory, state::UFRAME_NUM));
-    let flange_from_tcp = state::frame(memory, state::TOOLS, state::number(memory, state::UTOOL_NUM));
+    let base_from_frame = state::frame(
+        memory,
+        state::FRAMES,
+        state::number(memory, state::UFRAME_NUM),
+    );
+    let flange_from_tcp = state::frame(
+        memory,
+        state::TOOLS,
+        state::number(memory, state::UTOOL_NUM),
+    );
     let base_from_tcp = system.forward(&system.joints()) * flange_from_tcp;
     Position::from_pose(&(base_from_frame.inverse() * base_from_tcp))
 }

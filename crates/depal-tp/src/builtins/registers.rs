@@ -56,7 +56,9 @@ fn r_set(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     let index = number(context, 0)?;
     let value = as_number(context.required(1)?)?;
     if !value.is_finite() {
-        return Err(interpreter(format!("Overflow: R[{index}] cannot hold {value}")));
+        return Err(interpreter(format!(
+            "Overflow: R[{index}] cannot hold {value}"
+        )));
     }
     state::set_register(context.memory, index, value)?;
     done()
@@ -77,7 +79,12 @@ fn sr_set(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
         Value::Str(text) => text.clone(),
         Value::Dnum(value) if value.fract() == 0.0 => format!("{value}"),
         Value::Dnum(value) => format!("{value:.6}"),
-        other => return Err(mismatch(format!("a string register does not take {}", kind(other)))),
+        other => {
+            return Err(mismatch(format!(
+                "a string register does not take {}",
+                kind(other)
+            )));
+        }
     };
     let length = text.chars().count();
     if length > STRING_LIMIT {
@@ -104,7 +111,9 @@ fn ar_get(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     let frame = context.memory.frames.last();
     match frame.and_then(|f| f.locals.get(index as usize - 1)) {
         Some(value) if value.is_present() => answer(value.clone()),
-        _ => Err(uninitialized(&format!("AR[{index}] (the caller gave no such argument)"))),
+        _ => Err(uninitialized(&format!(
+            "AR[{index}] (the caller gave no such argument)"
+        ))),
     }
 }
 
@@ -167,10 +176,14 @@ pub(crate) fn system_variable(memory: &depal_vm::Memory, name: &str) -> Option<V
     if let Some(which) = linked(name) {
         return Some(Value::Dnum(state::number(memory, which)));
     }
-    state::items(memory, state::SYSTEM).iter().find_map(|pair| match pair {
-        Value::Array(pair) if pair.first() == Some(&Value::Str(name.to_owned())) => pair.get(1).cloned(),
-        _ => None,
-    })
+    state::items(memory, state::SYSTEM)
+        .iter()
+        .find_map(|pair| match pair {
+            Value::Array(pair) if pair.first() == Some(&Value::Str(name.to_owned())) => {
+                pair.get(1).cloned()
+            }
+            _ => None,
+        })
 }
 
 fn system_get(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {

@@ -22,7 +22,9 @@ fn is_number(word: &str) -> bool {
 fn index(context: &CallContext<'_>, word: &str) -> Result<u32, RaisedError> {
     let index = number(context, 1)?;
     if index.fract() != 0.0 || !(1.0..=32_767.0).contains(&index) {
-        return Err(interpreter(format!("Invalid index: there is no {word}[{index}]")));
+        return Err(interpreter(format!(
+            "Invalid index: there is no {word}[{index}]"
+        )));
     }
     Ok(index as u32)
 }
@@ -56,7 +58,10 @@ pub(super) fn switch(value: &Value, word: &str) -> Result<bool, RaisedError> {
         Value::Bool(on) => Ok(*on),
         value => match value.as_number() {
             Some(number) => Ok(number != 0.0),
-            None => Err(mismatch(format!("{word}[...] does not take {}", kind(value)))),
+            None => Err(mismatch(format!(
+                "{word}[...] does not take {}",
+                kind(value)
+            ))),
         },
     }
 }
@@ -71,7 +76,11 @@ pub(crate) fn set_output(
     match state::group_of(memory, output) {
         Some((signal, bit)) => {
             let before = system.signal(&signal)? as u64;
-            let after = if on { before | 1 << bit } else { before & !(1 << bit) };
+            let after = if on {
+                before | 1 << bit
+            } else {
+                before & !(1 << bit)
+            };
             system.set_signal(&signal, after as f64)
         }
         None => system.set_signal(&format!("DO[{output}]"), f64::from(u8::from(on))),
@@ -83,9 +92,9 @@ fn signal_set(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let index = index(context, &word)?;
     let value = context.required(2)?.clone();
     let result = if is_number(&word) {
-        let number = value.as_number().ok_or_else(|| {
-            mismatch(format!("{word}[{index}] does not take {}", kind(&value)))
-        })?;
+        let number = value
+            .as_number()
+            .ok_or_else(|| mismatch(format!("{word}[{index}] does not take {}", kind(&value))))?;
         // A group holds whole numbers.
         let number = if word == "GO" { number.round() } else { number };
         system.set_signal(&format!("{word}[{index}]"), number)
@@ -104,15 +113,25 @@ fn signal_set(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
 fn signal_pulse(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let word = context.string(0)?;
     let index = index(context, &word)?;
-    let width = if context.is_given(2) { number(context, 2)? } else { 0.1 };
+    let width = if context.is_given(2) {
+        number(context, 2)?
+    } else {
+        0.1
+    };
     if !(0.0..=25.5).contains(&width) {
-        return Err(interpreter(format!("Invalid value: a pulse of {width} s; 0 to 25.5 s are possible")));
+        return Err(interpreter(format!(
+            "Invalid value: a pulse of {width} s; 0 to 25.5 s are possible"
+        )));
     }
     if word == "DO" && state::group_of(context.memory, index).is_some() {
-        return Err(interpreter(format!("a pulse on DO[{index}], a bit of a group, is not simulated")));
+        return Err(interpreter(format!(
+            "a pulse on DO[{index}], a bit of a group, is not simulated"
+        )));
     }
     let name = format!("{word}[{index}]");
-    system.set_signal(&name, 1.0).map_err(|f| fault(context, f))?;
+    system
+        .set_signal(&name, 1.0)
+        .map_err(|f| fault(context, f))?;
     system
         .set_signal_later(&name, 0.0, SimDuration::from_secs_f64(width))
         .map_err(|f| fault(context, f))?;

@@ -54,7 +54,11 @@ fn timer(context: &CallContext<'_>) -> Result<(usize, bool, f64, i64), RaisedErr
 fn seconds(context: &CallContext<'_>, system: &dyn System) -> Result<f64, RaisedError> {
     let (_, runs, base, since) = timer(context)?;
     let passed = system.now().as_nanos() as i64 - since;
-    Ok(if runs { base + passed as f64 * 1e-9 } else { base })
+    Ok(if runs {
+        base + passed as f64 * 1e-9
+    } else {
+        base
+    })
 }
 
 fn touch(context: &mut CallContext<'_>, system: &dyn System, runs: bool, base: f64) -> Ran {

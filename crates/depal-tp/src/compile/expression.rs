@@ -90,7 +90,9 @@ impl Compiler<'_> {
                 self.value(inner);
                 self.call_builtin("not", 1, true);
             }
-            ExprKind::Binary(operator, left, right) => self.binary(*operator, left, right, expr.span),
+            ExprKind::Binary(operator, left, right) => {
+                self.binary(*operator, left, right, expr.span)
+            }
             ExprKind::Function(function, arguments) => {
                 let at = Function::TABLE.iter().position(|(_, f, _)| f == function);
                 self.push_number(at.unwrap_or(0) as f64);
@@ -115,7 +117,11 @@ impl Compiler<'_> {
             return;
         }
         let wanted: Vec<_> = wanted.iter().map(|w| w.name()).collect();
-        let message = format!("expected {} {place}, found {}", wanted.join(" or "), found.name());
+        let message = format!(
+            "expected {} {place}, found {}",
+            wanted.join(" or "),
+            found.name()
+        );
         self.error(Diagnostic::error("TP0210", expr.span, message));
     }
 
@@ -123,18 +129,24 @@ impl Compiler<'_> {
         let (a, b) = (kind_of(left), kind_of(right));
         use Known::{Any, Number, Position, Switch};
         let fits = match operator {
-            Operator::And | Operator::Or => {
-                matches!(a, Switch | Any) && matches!(b, Switch | Any)
-            }
+            Operator::And | Operator::Or => matches!(a, Switch | Any) && matches!(b, Switch | Any),
             Operator::Equal | Operator::NotEqual => {
-                a == b && a != Position || a == Any || b == Any || matches!((a, b), (Switch, Number) | (Number, Switch))
+                a == b && a != Position
+                    || a == Any
+                    || b == Any
+                    || matches!((a, b), (Switch, Number) | (Number, Switch))
             }
             Operator::Add => a == b && a != Switch || a == Any || b == Any,
             Operator::Subtract => a == b && matches!(a, Number | Position) || a == Any || b == Any,
             _ => matches!(a, Number | Any) && matches!(b, Number | Any),
         };
         if !fits {
-            let message = format!("{} does not go with {} and {}", operator.text(), a.name(), b.name());
+            let message = format!(
+                "{} does not go with {} and {}",
+                operator.text(),
+                a.name(),
+                b.name()
+            );
             self.error(
                 Diagnostic::error("TP0211", span, message)
                     .secondary(left.span, format!("this is {}", a.name()))
@@ -256,7 +268,12 @@ impl Compiler<'_> {
                 begin = 1;
                 "system set"
             }
-            ItemKind::Do | ItemKind::Ro | ItemKind::Go | ItemKind::Ao | ItemKind::So | ItemKind::Uo => {
+            ItemKind::Do
+            | ItemKind::Ro
+            | ItemKind::Go
+            | ItemKind::Ao
+            | ItemKind::So
+            | ItemKind::Uo => {
                 self.push_text(item.kind.name());
                 begin = 1;
                 "signal set"

@@ -38,7 +38,9 @@ pub(crate) fn compile(
         program: 0,
     };
     compiler.headings();
-    let routines = (0..listings.len()).map(|index| compiler.routine(index)).collect();
+    let routines = (0..listings.len())
+        .map(|index| compiler.routine(index))
+        .collect();
     let entry = compiler.entry(entry);
     Program {
         routines,
@@ -67,8 +69,19 @@ struct OpenJump {
 /// A block that has been opened.
 enum Block {
     /// The jump over the THEN part, and the one over the ELSE part.
-    If { span: Span, skip: usize, end: Option<usize> },
-    For { span: Span, begin: u32, exit: usize, counter: Expr, last: u32, down: bool },
+    If {
+        span: Span,
+        skip: usize,
+        end: Option<usize>,
+    },
+    For {
+        span: Span,
+        begin: u32,
+        exit: usize,
+        counter: Expr,
+        last: u32,
+        down: bool,
+    },
 }
 
 /// The routine being made.
@@ -113,7 +126,9 @@ impl<'a> Compiler<'a> {
                 let message = format!("there are two programs named {}", listing.name.text);
                 let span = listing.name.span;
                 let before = before.span;
-                self.error(Diagnostic::error("TP0200", span, message).secondary(before, "the first"));
+                self.error(
+                    Diagnostic::error("TP0200", span, message).secondary(before, "the first"),
+                );
             } else {
                 first.insert(key.clone(), &listing.name);
                 self.programs.insert(key, index as u32);
@@ -123,7 +138,8 @@ impl<'a> Compiler<'a> {
                 Value::Array(vec![number, taught.position.to_value()])
             });
             self.globals.push(Value::Array(taught.collect()));
-            self.global_names.push(format!("P of {}", listing.name.text));
+            self.global_names
+                .push(format!("P of {}", listing.name.text));
             for line in &listing.lines {
                 if let Statement::SkipCondition(condition) = &line.statement {
                     self.skip_conditions.push((line.span, condition));
@@ -140,8 +156,16 @@ impl<'a> Compiler<'a> {
         if let Some(index) = self.programs.get(&key) {
             return *index;
         }
-        let span = self.listings.first().map(|l| l.name.span).unwrap_or_default();
-        let mut message = Diagnostic::error("TP0201", span, format!("there is no program {name} to start"));
+        let span = self
+            .listings
+            .first()
+            .map(|l| l.name.span)
+            .unwrap_or_default();
+        let mut message = Diagnostic::error(
+            "TP0201",
+            span,
+            format!("there is no program {name} to start"),
+        );
         if let Some(near) = self.near_program(&key) {
             message = message.help(format!("did you mean {near}?"));
         }

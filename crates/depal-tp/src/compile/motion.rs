@@ -16,13 +16,19 @@ impl Compiler<'_> {
         }
         if options.skip.is_some() && self.skip_conditions.is_empty() {
             self.error(
-                Diagnostic::error("TP0240", motion.span, "this move has Skip, but there is no SKIP CONDITION")
-                    .help("write SKIP CONDITION DI[1]=ON (or another condition) before the move"),
+                Diagnostic::error(
+                    "TP0240",
+                    motion.span,
+                    "this move has Skip, but there is no SKIP CONDITION",
+                )
+                .help("write SKIP CONDITION DI[1]=ON (or another condition) before the move"),
             );
             return;
         }
-        let (outputs, actions): (Vec<&Along>, Vec<&Along>) =
-            options.along.iter().partition(|along| output(along).is_some());
+        let (outputs, actions): (Vec<&Along>, Vec<&Along>) = options
+            .along
+            .iter()
+            .partition(|along| output(along).is_some());
         for along in &actions {
             self.error(
                 Diagnostic::warning(
@@ -162,7 +168,12 @@ fn output(along: &Along) -> Option<(&Item, &Expr)> {
         Action::Assign(item, Change::Value(value))
             if matches!(
                 item.kind,
-                ItemKind::Do | ItemKind::Ro | ItemKind::Go | ItemKind::Ao | ItemKind::So | ItemKind::Uo
+                ItemKind::Do
+                    | ItemKind::Ro
+                    | ItemKind::Go
+                    | ItemKind::Ao
+                    | ItemKind::So
+                    | ItemKind::Uo
             ) =>
         {
             Some((item, value))

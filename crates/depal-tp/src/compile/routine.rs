@@ -34,7 +34,10 @@ impl Compiler<'_> {
                 continue;
             };
             let number = match index.kind {
-                ExprKind::Number { value, is_real: false } if (1.0..=32_767.0).contains(&value) => value as u32,
+                ExprKind::Number {
+                    value,
+                    is_real: false,
+                } if (1.0..=32_767.0).contains(&value) => value as u32,
                 _ => {
                     let message = "a label has a number from 1 to 32767";
                     self.error(Diagnostic::error("TP0220", index.span, message));
@@ -152,8 +155,17 @@ impl Compiler<'_> {
 
     fn missing_label(&mut self, listing: &Listing, label: u32, span: Span) {
         let name = &listing.name.text;
-        let mut message = Diagnostic::error("TP0223", span, format!("there is no LBL[{label}] in {name}"));
-        let known: Vec<_> = self.body.labels.keys().map(|n| format!("LBL[{n}]")).collect();
+        let mut message = Diagnostic::error(
+            "TP0223",
+            span,
+            format!("there is no LBL[{label}] in {name}"),
+        );
+        let known: Vec<_> = self
+            .body
+            .labels
+            .keys()
+            .map(|n| format!("LBL[{n}]"))
+            .collect();
         if !known.is_empty() && known.len() <= 12 {
             message = message.help(format!("there is {}", known.join(", ")));
         }
@@ -163,7 +175,9 @@ impl Compiler<'_> {
 
 /// Which row of the operators is `=`.
 pub(super) fn equal() -> f64 {
-    let at = Operator::ALL.iter().position(|(o, ..)| *o == Operator::Equal);
+    let at = Operator::ALL
+        .iter()
+        .position(|(o, ..)| *o == Operator::Equal);
     at.unwrap_or(0) as f64
 }
 

@@ -12,7 +12,10 @@ impl Compiler<'_> {
     pub(super) fn statement(&mut self, line: &Line) {
         let span = line.span;
         match &line.statement {
-            Statement::Empty | Statement::Comment(_) | Statement::Label(_) | Statement::Nothing(_) => {}
+            Statement::Empty
+            | Statement::Comment(_)
+            | Statement::Label(_)
+            | Statement::Nothing(_) => {}
             Statement::Action(action) => self.action(action, span),
             Statement::Run(call) => {
                 let name = match &call.callee {
@@ -70,11 +73,16 @@ impl Compiler<'_> {
                 self.amount(seconds);
                 self.call_builtin("wait", 1, false);
             }
-            Statement::WaitUntil { condition, timeout } => self.wait_until(condition, timeout.as_ref()),
+            Statement::WaitUntil { condition, timeout } => {
+                self.wait_until(condition, timeout.as_ref())
+            }
             Statement::Motion(motion) => self.motion(motion),
             Statement::SkipCondition(condition) => {
                 self.demand(condition, &[Known::Switch], "as a condition");
-                let at = self.skip_conditions.iter().position(|(place, _)| *place == span);
+                let at = self
+                    .skip_conditions
+                    .iter()
+                    .position(|(place, _)| *place == span);
                 self.push_number(state::SKIP as f64);
                 self.push_number(at.unwrap_or(0) as f64);
                 self.call_builtin("condition set", 2, false);
@@ -143,7 +151,10 @@ impl Compiler<'_> {
                     ItemKind::Pr | ItemKind::P if item.indexes.len() > 1 => &[Number],
                     ItemKind::Pr | ItemKind::P | ItemKind::Uframe | ItemKind::Utool => &[Position],
                     ItemKind::Go | ItemKind::Ao => &[Number],
-                    ItemKind::Timer | ItemKind::UframeNum | ItemKind::UtoolNum | ItemKind::Override => &[Number],
+                    ItemKind::Timer
+                    | ItemKind::UframeNum
+                    | ItemKind::UtoolNum
+                    | ItemKind::Override => &[Number],
                     ItemKind::System => &[Number, Switch, Text, Position],
                     _ => &[Switch, Number],
                 };
@@ -195,7 +206,9 @@ impl Compiler<'_> {
             Block::For { .. } => "ENDFOR",
         };
         let message = format!("{what} comes before the {closing} of a block inside");
-        self.error(Diagnostic::error("TP0225", span, message).secondary(opened, "the block begins here"));
+        self.error(
+            Diagnostic::error("TP0225", span, message).secondary(opened, "the block begins here"),
+        );
         self.body.blocks.push(block);
     }
 
@@ -214,11 +227,20 @@ impl Compiler<'_> {
                     end: Some(end),
                 });
             }
-            Some(Block::If { span: opened, skip, end }) => {
+            Some(Block::If {
+                span: opened,
+                skip,
+                end,
+            }) => {
                 self.error(
-                    Diagnostic::error("TP0226", span, "a second ELSE").secondary(opened, "of this IF"),
+                    Diagnostic::error("TP0226", span, "a second ELSE")
+                        .secondary(opened, "of this IF"),
                 );
-                self.body.blocks.push(Block::If { span: opened, skip, end });
+                self.body.blocks.push(Block::If {
+                    span: opened,
+                    skip,
+                    end,
+                });
             }
             Some(block) => self.crossed(span, "ELSE", block),
             None => self.stray(span, "ELSE", "IF ... THEN"),
@@ -245,7 +267,11 @@ impl Compiler<'_> {
             span: counter.span,
             kind: ExprKind::Item(counter.clone()),
         };
-        let test = if down { Operator::GreaterOrEqual } else { Operator::LessOrEqual };
+        let test = if down {
+            Operator::GreaterOrEqual
+        } else {
+            Operator::LessOrEqual
+        };
         self.compare(test, &counter, last);
         let exit = self.emit(Op::JumpIfFalse(0));
         let begin = self.here();
@@ -276,11 +302,19 @@ impl Compiler<'_> {
                 down,
                 ..
             }) => {
-                let test = if down { Operator::Greater } else { Operator::Less };
+                let test = if down {
+                    Operator::Greater
+                } else {
+                    Operator::Less
+                };
                 self.compare(test, &counter, last);
                 let over = self.emit(Op::JumpIfFalse(0));
                 if let ExprKind::Item(item) = &counter.kind {
-                    let step = row(if down { Operator::Subtract } else { Operator::Add });
+                    let step = row(if down {
+                        Operator::Subtract
+                    } else {
+                        Operator::Add
+                    });
                     self.write(item, &|compiler| {
                         compiler.push_number(step);
                         compiler.value(&counter);
@@ -368,7 +402,10 @@ impl Compiler<'_> {
             });
             return;
         }
-        if let Some(call) = crate::mm::CALLS.iter().find(|c| c.name.eq_ignore_ascii_case(&key)) {
+        if let Some(call) = crate::mm::CALLS
+            .iter()
+            .find(|c| c.name.eq_ignore_ascii_case(&key))
+        {
             let wanted = call.parameters.len();
             // A status register behind the others is that of newer versions.
             if arguments.len() != wanted && arguments.len() != wanted + 1 {
@@ -379,8 +416,11 @@ impl Compiler<'_> {
                     arguments.len()
                 );
                 self.error(
-                    Diagnostic::error("TP0231", name.span, message)
-                        .help(format!("{}({})", call.name, call.parameters.join(","))),
+                    Diagnostic::error("TP0231", name.span, message).help(format!(
+                        "{}({})",
+                        call.name,
+                        call.parameters.join(",")
+                    )),
                 );
                 return;
             }
@@ -408,7 +448,8 @@ impl Compiler<'_> {
         self.call_builtin("sr get", 1, true);
         self.emit(Op::SetLocal(held));
         let mut ends = Vec::new();
-        let programs: Vec<(String, u32)> = self.programs.iter().map(|(n, r)| (n.clone(), *r)).collect();
+        let programs: Vec<(String, u32)> =
+            self.programs.iter().map(|(n, r)| (n.clone(), *r)).collect();
         for (name, routine) in programs {
             let next = self.is_named(held, &name);
             for argument in arguments {

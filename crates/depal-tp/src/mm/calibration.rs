@@ -57,7 +57,11 @@ fn choice(context: &CallContext<'_>, at: usize, name: &str) -> Result<i32, Raise
 }
 
 /// The move to a point; it is kept in the position register, too.
-fn request(context: &mut CallContext<'_>, system: &dyn System, point: &CalibrationPoint) -> Result<MoveRequest, RaisedError> {
+fn request(
+    context: &mut CallContext<'_>,
+    system: &dyn System,
+    point: &CalibrationPoint,
+) -> Result<MoveRequest, RaisedError> {
     let by_joints = choice(context, 1, "PosJps")? == 2;
     let register = number(context, 5)?;
     let (position, target) = if by_joints {
@@ -78,7 +82,9 @@ fn request(context: &mut CallContext<'_>, system: &dyn System, point: &Calibrati
         kind,
         target: match (kind, target) {
             // A straight line needs a pose.
-            (MoveKind::Linear, MoveTarget::Joints(joints)) => MoveTarget::Tcp(system.forward(&joints)),
+            (MoveKind::Linear, MoveTarget::Joints(joints)) => {
+                MoveTarget::Tcp(system.forward(&joints))
+            }
             (_, target) => target,
         },
         speed: MoveSpeed {
@@ -125,7 +131,11 @@ fn talk(context: &mut CallContext<'_>, system: &mut dyn System, robot_state: i32
             enter(context, next, Some(Value::Int(id.0 as i64)));
         }
         // Nothing else is queued here: the queue has room.
-        Poll::Pending => return Err(argument("MM_CALIB: the arm is still moving; end the move before with FINE")),
+        Poll::Pending => {
+            return Err(argument(
+                "MM_CALIB: the arm is still moving; end the move before with FINE",
+            ));
+        }
         Poll::Ready(Err(_)) => enter(context, NOT_REACHED, None),
     }
     Ok(Outcome::Blocked)
@@ -135,7 +145,9 @@ pub(super) fn calibrate(context: &mut CallContext<'_>, system: &mut dyn System) 
     if context.notes.is_empty() {
         let seconds = number(context, 2)?;
         if !(0.0..=3600.0).contains(&seconds) {
-            return Err(argument(format!("WaitTime is {seconds} s, expected 0 to 3600")));
+            return Err(argument(format!(
+                "WaitTime is {seconds} s, expected 0 to 3600"
+            )));
         }
         choice(context, 0, "Move_Type")?;
         choice(context, 1, "PosJps")?;

@@ -5,8 +5,8 @@ use std::task::Poll;
 use depal_vm::system::System;
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 use depal_wire::{
-    GetCustomData, GetDoList, GetNotify, GetPlanData, GetState, GetVisionDoList, GetVisionPath, GetVisionPlanData,
-    GetVisionPoints, GetVizPath, PlanPoint, ReadParameter, Reply, Request,
+    GetCustomData, GetDoList, GetNotify, GetPlanData, GetState, GetVisionDoList, GetVisionPath,
+    GetVisionPlanData, GetVisionPoints, GetVizPath, PlanPoint, ReadParameter, Reply, Request,
 };
 
 use super::link::{code, exchange, failure, report, whole};
@@ -61,7 +61,11 @@ fn fetch(
     state::set_register(context.memory, register, points)?;
     if let Some(at) = places.vision_move {
         let register = number(context, at)?;
-        let place = context.notes.first().and_then(Value::as_number).unwrap_or(0.0);
+        let place = context
+            .notes
+            .first()
+            .and_then(Value::as_number)
+            .unwrap_or(0.0);
         state::set_register(context.memory, register, place)?;
     }
     report(context, places.status, code)?;
@@ -100,7 +104,9 @@ fn keep(context: &mut CallContext<'_>, reply: &Reply, is_joint: bool) -> (bool, 
             );
             (point.is_last, 0)
         }
-        Reply::PlanPoint(point) | Reply::VisionPlanPoint(point) => keep_plan(context, point, is_joint),
+        Reply::PlanPoint(point) | Reply::VisionPlanPoint(point) => {
+            keep_plan(context, point, is_joint)
+        }
         _ => (true, 0),
     }
 }
@@ -207,7 +213,10 @@ fn ask(
 pub(super) fn outputs(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let request = match whole(context, 0, "Resource")? {
         0 => Request::GetDoList(GetDoList { sections: None }),
-        job => Request::GetVisionDoList(GetVisionDoList { job, sections: None }),
+        job => Request::GetVisionDoList(GetVisionDoList {
+            job,
+            sections: None,
+        }),
     };
     let reply = match ask(context, system, &request)? {
         Poll::Pending => return Ok(Outcome::Blocked),
@@ -223,7 +232,11 @@ pub(super) fn outputs(context: &mut CallContext<'_>, system: &mut dyn System) ->
     };
     let succeeded = list.is_some();
     if let Some(items) = state::items_mut(context.memory, state::DO_LIST) {
-        *items = list.unwrap_or_default().into_iter().map(|d| Value::Int(i64::from(d))).collect();
+        *items = list
+            .unwrap_or_default()
+            .into_iter()
+            .map(|d| Value::Int(i64::from(d)))
+            .collect();
     }
     if report(context, 1, code)? || succeeded {
         done()

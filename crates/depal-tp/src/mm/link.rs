@@ -39,7 +39,9 @@ pub(super) fn link(memory: &Memory) -> Option<(SocketId, f64)> {
 fn set_link(memory: &mut Memory, link: Option<(SocketId, f64)>) {
     if let Some(slot) = memory.globals.get_mut(state::LINK as usize) {
         *slot = match link {
-            Some((id, seconds)) => Value::Array(vec![Value::Socket(Some(id)), Value::Dnum(seconds)]),
+            Some((id, seconds)) => {
+                Value::Array(vec![Value::Socket(Some(id)), Value::Dnum(seconds)])
+            }
             None => Value::Absent,
         };
     }
@@ -70,7 +72,9 @@ pub(super) fn init(context: &mut CallContext<'_>, system: &mut dyn System) -> Ra
     }
     let minutes = number(context, 3)?;
     if minutes <= 0.0 || minutes > 1e6 {
-        return Err(argument(format!("Time_Out is {minutes} minutes, expected more than 0")));
+        return Err(argument(format!(
+            "Time_Out is {minutes} minutes, expected more than 0"
+        )));
     }
     let id = if let Some(Value::Socket(Some(id))) = context.notes.first() {
         *id
@@ -87,7 +91,9 @@ pub(super) fn init(context: &mut CallContext<'_>, system: &mut dyn System) -> Ra
             report(context, STATUS, 0)?;
             done()
         }
-        Poll::Pending if context.elapsed(system.now()).as_secs_f64() < seconds => Ok(Outcome::Blocked),
+        Poll::Pending if context.elapsed(system.now()).as_secs_f64() < seconds => {
+            Ok(Outcome::Blocked)
+        }
         _ => {
             system.socket_close(id);
             if report(context, STATUS, NOT_OPEN)? {
@@ -107,7 +113,11 @@ pub(super) fn argument(message: impl Into<String>) -> RaisedError {
 }
 
 /// Writes a status to the register whose number is argument `at`, if it was given. Whether it was.
-pub(super) fn report(context: &mut CallContext<'_>, at: usize, code: i32) -> Result<bool, RaisedError> {
+pub(super) fn report(
+    context: &mut CallContext<'_>,
+    at: usize,
+    code: i32,
+) -> Result<bool, RaisedError> {
     if !context.is_given(at) {
         return Ok(false);
     }
@@ -123,18 +133,26 @@ pub(super) fn failure(call: &str, code: i32) -> RaisedError {
             "Robot_Socket_Closed",
             format!("{call}: the connection is not open; call MM_INIT_SKT first"),
         ),
-        CLOSED => error("Robot_Socket_Closed", format!("{call}: the vision system closed the connection")),
+        CLOSED => error(
+            "Robot_Socket_Closed",
+            format!("{call}: the vision system closed the connection"),
+        ),
         NO_REPLY => error(
             "Robot_Socket_Closed",
             format!("{call}: no complete reply within the time of MM_INIT_SKT"),
         ),
         WRONG_REPLY => error(
             "Robot_CMD_Error",
-            format!("{call}: the reply does not fit the command (another command, or another byte order)"),
+            format!(
+                "{call}: the reply does not fit the command (another command, or another byte order)"
+            ),
         ),
         code => {
             let meaning = Status::from_code(code).map_or("an unknown code", Status::meaning);
-            error("Robot_CMD_Error", format!("{call}: status {code}: {meaning}"))
+            error(
+                "Robot_CMD_Error",
+                format!("{call}: status {code}: {meaning}"),
+            )
         }
     }
 }
@@ -178,10 +196,14 @@ fn exchange_on(
                 return Poll::Ready(Err(CLOSED));
             }
         }
-        context.notes.push(Value::Int(system.now().as_nanos() as i64));
+        context
+            .notes
+            .push(Value::Int(system.now().as_nanos() as i64));
         context.notes.push(Value::Raw(Box::default()));
     }
-    let (Some(Value::Int(begun)), Some(Value::Raw(held))) = (context.notes.get(1), context.notes.get(2)) else {
+    let (Some(Value::Int(begun)), Some(Value::Raw(held))) =
+        (context.notes.get(1), context.notes.get(2))
+    else {
         return Poll::Ready(Err(WRONG_REPLY));
     };
     let begun = SimTime::from_nanos(*begun as u64);
@@ -217,6 +239,8 @@ pub(super) fn whole(context: &CallContext<'_>, at: usize, name: &str) -> Result<
     if value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX) {
         Ok(value as i32)
     } else {
-        Err(argument(format!("{name} is {value}, expected a whole number")))
+        Err(argument(format!(
+            "{name} is {value}, expected a whole number"
+        )))
     }
 }

@@ -56,7 +56,9 @@ fn demand(point: &StoredPoint, is_joint: bool, call: &str) -> Result<(), RaisedE
     } else {
         ("joint angles", "MM_GET_JPS")
     };
-    Err(argument(format!("{call}: the points held are {held}; {other} stores them")))
+    Err(argument(format!(
+        "{call}: the points held are {held}; {other} stores them"
+    )))
 }
 
 fn point_with_speed(context: &mut CallContext<'_>, is_joint: bool, call: &str) -> Ran {
@@ -117,7 +119,8 @@ pub(super) fn outputs(context: &mut CallContext<'_>, system: &mut dyn System) ->
         })
         .collect();
     for output in listed {
-        set_output(context.memory, system, output as u32, true).map_err(|f| context.system_fault(f))?;
+        set_output(context.memory, system, output as u32, true)
+            .map_err(|f| context.system_fault(f))?;
     }
     report(context, 0, 0)?;
     done()

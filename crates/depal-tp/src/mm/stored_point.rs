@@ -86,5 +86,7 @@ pub(super) fn point(memory: &Memory, serial: f64) -> Option<StoredPoint> {
         return None;
     }
     let items = state::items(memory, state::LIST);
-    items.get(serial as usize - 1).and_then(StoredPoint::from_value)
+    items
+        .get(serial as usize - 1)
+        .and_then(StoredPoint::from_value)
 }

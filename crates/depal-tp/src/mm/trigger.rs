@@ -5,8 +5,8 @@ use std::task::Poll;
 use depal_vm::system::System;
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 use depal_wire::{
-    Request, RobotPosePayload, SetBoxSize, SetBranch, SetIndex, StartVision, StartViz, StopViz, SwitchRecipe,
-    VizStartPayload, WriteParameter,
+    Request, RobotPosePayload, SetBoxSize, SetBranch, SetIndex, StartVision, StartViz, StopViz,
+    SwitchRecipe, VizStartPayload, WriteParameter,
 };
 
 use super::link::{argument, code, exchange, failure, report, whole};
@@ -26,13 +26,25 @@ pub(super) fn here(system: &dyn System) -> ([f64; 6], [f64; 6]) {
 }
 
 /// Joint angles of a position register that must hold such.
-fn taught_joints(context: &CallContext<'_>, system: &dyn System, at: usize) -> Result<[f64; 6], RaisedError> {
+fn taught_joints(
+    context: &CallContext<'_>,
+    system: &dyn System,
+    at: usize,
+) -> Result<[f64; 6], RaisedError> {
     let index = number(context, at)?;
-    let Position { is_joint, values, .. } = state::position(context.memory, index)?;
+    let Position {
+        is_joint, values, ..
+    } = state::position(context.memory, index)?;
     if !is_joint {
-        return Err(argument(format!("PR[{index}] must hold joint angles, it holds a Cartesian position")));
+        return Err(argument(format!(
+            "PR[{index}] must hold joint angles, it holds a Cartesian position"
+        )));
     }
-    let joints = arm_from_shown(&values, system.joints().len(), state::is_coupled(context.memory));
+    let joints = arm_from_shown(
+        &values,
+        system.joints().len(),
+        state::is_coupled(context.memory),
+    );
     let mut degrees = [0.0; 6];
     for (to, from) in degrees.iter_mut().zip(joints.to_degrees()) {
         *to = from;
@@ -69,24 +81,35 @@ fn tell(
 }
 
 pub(super) fn start_vision(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    tell(context, system, "MM_START_VIS", 1102, 4, |context, system| {
-        let (joints_deg, flange) = here(system);
-        let pose = match whole(context, 2, "SendPos_Type")? {
-            0 => RobotPosePayload::NotSent,
-            1 => RobotPosePayload::JointsAndFlange {
-                joints_deg,
-                flange: Some(flange),
-            },
-            2 => RobotPosePayload::Flange(flange),
-            3 => RobotPosePayload::StartJoints(taught_joints(context, system, 3)?),
-            other => return Err(argument(format!("SendPos_Type is {other}; 0 to 3 are possible"))),
-        };
-        Ok(Request::StartVision(StartVision {
-            job: whole(context, 0, "Job")?,
-            count: whole(context, 1, "Pos_Num_Need")?,
-            pose,
-        }))
-    })
+    tell(
+        context,
+        system,
+        "MM_START_VIS",
+        1102,
+        4,
+        |context, system| {
+            let (joints_deg, flange) = here(system);
+            let pose = match whole(context, 2, "SendPos_Type")? {
+                0 => RobotPosePayload::NotSent,
+                1 => RobotPosePayload::JointsAndFlange {
+                    joints_deg,
+                    flange: Some(flange),
+                },
+                2 => RobotPosePayload::Flange(flange),
+                3 => RobotPosePayload::StartJoints(taught_joints(context, system, 3)?),
+                other => {
+                    return Err(argument(format!(
+                        "SendPos_Type is {other}; 0 to 3 are possible"
+                    )));
+                }
+            };
+            Ok(Request::StartVision(StartVision {
+                job: whole(context, 0, "Job")?,
+                count: whole(context, 1, "Pos_Num_Need")?,
+                pose,
+            }))
+        },
+    )
 }
 
 pub(super) fn switch_recipe(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
@@ -99,19 +122,30 @@ pub(super) fn switch_recipe(context: &mut CallContext<'_>, system: &mut dyn Syst
 }
 
 pub(super) fn start_viz(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    tell(context, system, "MM_START_VIZ", 2103, 2, |context, system| {
-        let (joints_deg, flange) = here(system);
-        let start = match whole(context, 0, "SendPos_Type")? {
-            0 => VizStartPayload::NotSent,
-            1 => VizStartPayload::JointsAndFlange {
-                joints_deg,
-                flange: Some(flange),
-            },
-            2 => VizStartPayload::StartJoints(taught_joints(context, system, 1)?),
-            other => return Err(argument(format!("SendPos_Type is {other}; 0 to 2 are possible"))),
-        };
-        Ok(Request::StartViz(StartViz { start }))
-    })
+    tell(
+        context,
+        system,
+        "MM_START_VIZ",
+        2103,
+        2,
+        |context, system| {
+            let (joints_deg, flange) = here(system);
+            let start = match whole(context, 0, "SendPos_Type")? {
+                0 => VizStartPayload::NotSent,
+                1 => VizStartPayload::JointsAndFlange {
+                    joints_deg,
+                    flange: Some(flange),
+                },
+                2 => VizStartPayload::StartJoints(taught_joints(context, system, 1)?),
+                other => {
+                    return Err(argument(format!(
+                        "SendPos_Type is {other}; 0 to 2 are possible"
+                    )));
+                }
+            };
+            Ok(Request::StartViz(StartViz { start }))
+        },
+    )
 }
 
 pub(super) fn set_branch(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
@@ -144,11 +178,17 @@ pub(super) fn set_box_size(context: &mut CallContext<'_>, system: &mut dyn Syste
     tell(context, system, "MM_SET_BS", 1108, 4, |context, _| {
         Ok(Request::SetBoxSize(SetBoxSize {
             job: whole(context, 0, "Job")?,
-            size_mm: [number(context, 1)?, number(context, 2)?, number(context, 3)?],
+            size_mm: [
+                number(context, 1)?,
+                number(context, 2)?,
+                number(context, 3)?,
+            ],
         }))
     })
 }
 
 pub(super) fn stop_viz(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    tell(context, system, "MM_STOP_VIZ", 2104, 0, |_, _| Ok(Request::StopViz(StopViz)))
+    tell(context, system, "MM_STOP_VIZ", 2104, 0, |_, _| {
+        Ok(Request::StopViz(StopViz))
+    })
 }

@@ -38,7 +38,9 @@ impl Cursor<'_> {
             Kind::Word(_) => self.keyword(),
             _ => return None,
         };
-        let row = Operator::ALL.iter().find(|(_, spelled, _)| *spelled == text);
+        let row = Operator::ALL
+            .iter()
+            .find(|(_, spelled, _)| *spelled == text);
         row.map(|(operator, ..)| *operator)
     }
 
@@ -160,7 +162,9 @@ impl Cursor<'_> {
         let is_edge = (self.is_symbol("+") || self.is_symbol("-"))
             && match self.peek_at(1) {
                 None | Some(Kind::Symbol("," | ")" | ";")) => true,
-                Some(Kind::Word(_)) => matches!(self.keyword_at(1).as_str(), "TIMEOUT" | "AND" | "OR"),
+                Some(Kind::Word(_)) => {
+                    matches!(self.keyword_at(1).as_str(), "TIMEOUT" | "AND" | "OR")
+                }
                 _ => false,
             };
         if is_edge {
@@ -174,7 +178,12 @@ impl Cursor<'_> {
         Ok(())
     }
 
-    fn function(&mut self, function: Function, count: usize, start: depal_vm::Span) -> Parsed<Expr> {
+    fn function(
+        &mut self,
+        function: Function,
+        count: usize,
+        start: depal_vm::Span,
+    ) -> Parsed<Expr> {
         let mut arguments = Vec::new();
         let opened = self.span();
         let closing = if function.is_on_strings() {
@@ -330,7 +339,11 @@ impl Cursor<'_> {
         let mut indexes = self.indexes()?;
         match (indexes.pop(), indexes.is_empty()) {
             (Some(index), true) => Ok(index),
-            _ => self.fail(Diagnostic::error("TP0018", span, "one index is needed here")),
+            _ => self.fail(Diagnostic::error(
+                "TP0018",
+                span,
+                "one index is needed here",
+            )),
         }
     }
 }

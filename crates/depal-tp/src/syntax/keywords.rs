@@ -50,8 +50,13 @@ pub(crate) const LOCALISED: &[(&str, &str)] = &[
 ];
 
 /// Spellings of registers and signals in front of a bracket.
-pub(crate) const LOCALISED_ITEMS: &[(&str, &str)] =
-    &[("I", "R"), ("A", "DO"), ("E", "DI"), ("GA", "GO"), ("GE", "GI")];
+pub(crate) const LOCALISED_ITEMS: &[(&str, &str)] = &[
+    ("I", "R"),
+    ("A", "DO"),
+    ("E", "DI"),
+    ("GA", "GO"),
+    ("GE", "GI"),
+];
 
 /// The English keyword of a word of the listing, in capitals.
 pub(crate) fn canonical(word: &str) -> String {
@@ -64,8 +69,45 @@ pub(crate) fn canonical(word: &str) -> String {
 
 /// Words a statement may begin with, for "did you mean".
 pub(crate) const STATEMENTS: &[&str] = &[
-    "CALL", "RUN", "JMP", "LBL", "IF", "ELSE", "ENDIF", "SELECT", "FOR", "ENDFOR", "WAIT", "TIMER",
-    "OVERRIDE", "PAYLOAD", "UALM", "MESSAGE", "PAUSE", "ABORT", "END", "UFRAME_NUM", "UTOOL_NUM",
-    "UFRAME", "UTOOL", "SKIP", "OFFSET", "TOOL_OFFSET", "MONITOR", "LOCK", "UNLOCK", "J", "L", "C",
-    "R", "PR", "SR", "DO", "GO", "RO", "AO", "F", "M",
+    "CALL",
+    "RUN",
+    "JMP",
+    "LBL",
+    "IF",
+    "ELSE",
+    "ENDIF",
+    "SELECT",
+    "FOR",
+    "ENDFOR",
+    "WAIT",
+    "TIMER",
+    "OVERRIDE",
+    "PAYLOAD",
+    "UALM",
+    "MESSAGE",
+    "PAUSE",
+    "ABORT",
+    "END",
+    "UFRAME_NUM",
+    "UTOOL_NUM",
+    "UFRAME",
+    "UTOOL",
+    "SKIP",
+    "OFFSET",
+    "TOOL_OFFSET",
+    "MONITOR",
+    "LOCK",
+    "UNLOCK",
+    "J",
+    "L",
+    "C",
+    "R",
+    "PR",
+    "SR",
+    "DO",
+    "GO",
+    "RO",
+    "AO",
+    "F",
+    "M",
 ];

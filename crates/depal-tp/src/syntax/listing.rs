@@ -195,7 +195,11 @@ impl Reader<'_> {
                 _ => 4,
             };
             let comment = comment[skip.min(comment.len())..].trim_end().to_owned();
-            self.push(number, self.span(begin, end - begin), Statement::Comment(comment));
+            self.push(
+                number,
+                self.span(begin, end - begin),
+                Statement::Comment(comment),
+            );
             return;
         }
         if content.starts_with("---") {
@@ -256,11 +260,16 @@ impl Reader<'_> {
         };
         if !pending.is_ended {
             self.diagnostics.push(
-                Diagnostic::error("TP0101", pending.span, "the line has no ; at its end")
-                    .help("a line that goes on in the next one has no ; and the next one begins with :"),
+                Diagnostic::error("TP0101", pending.span, "the line has no ; at its end").help(
+                    "a line that goes on in the next one has no ; and the next one begins with :",
+                ),
             );
         }
-        let end = Span::new(self.file, pending.span.end.saturating_sub(1), pending.span.end);
+        let end = Span::new(
+            self.file,
+            pending.span.end.saturating_sub(1),
+            pending.span.end,
+        );
         let mut cursor = Cursor::new(&pending.tokens, end, self.diagnostics);
         if let Ok(statement) = cursor.statement() {
             self.push(pending.number, pending.span, statement);
@@ -287,7 +296,11 @@ impl Reader<'_> {
             let taught = positions(&found, end, self.diagnostics);
             if let Some(listing) = self.listings.last_mut() {
                 for position in taught {
-                    if let Some(first) = listing.positions.iter().find(|p| p.number == position.number) {
+                    if let Some(first) = listing
+                        .positions
+                        .iter()
+                        .find(|p| p.number == position.number)
+                    {
                         self.diagnostics.push(
                             Diagnostic::error(
                                 "TP0105",

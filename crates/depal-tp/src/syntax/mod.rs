@@ -13,6 +13,3 @@ pub(crate) mod tree;
 
 pub(crate) use listing::parse;
 pub(crate) use print::print;
-
-#[cfg(test)]
-mod tests;

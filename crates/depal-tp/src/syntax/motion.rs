@@ -32,12 +32,21 @@ impl Cursor<'_> {
                 unit,
                 SpeedUnit::Percent | SpeedUnit::Seconds | SpeedUnit::Milliseconds | SpeedUnit::Most
             )
-            && !matches!(unit, SpeedUnit::Seconds | SpeedUnit::Milliseconds | SpeedUnit::Most)
+            && !matches!(
+                unit,
+                SpeedUnit::Seconds | SpeedUnit::Milliseconds | SpeedUnit::Most
+            )
         {
             let span = self.last_span();
             let message = match kind {
-                MotionKind::Joint => format!("the speed of a J move is a percentage or a time, not {}", unit.text()),
-                _ => format!("the speed of an {keyword} move is a speed of the tool or a time, not {}", unit.text()),
+                MotionKind::Joint => format!(
+                    "the speed of a J move is a percentage or a time, not {}",
+                    unit.text()
+                ),
+                _ => format!(
+                    "the speed of an {keyword} move is a speed of the tool or a time, not {}",
+                    unit.text()
+                ),
             };
             return self.fail(Diagnostic::error("TP0031", span, message));
         }
@@ -222,7 +231,12 @@ impl Cursor<'_> {
         Ok(())
     }
 
-    fn along(&mut self, when: AlongWhen, start: depal_vm::Span, options: &mut MotionOptions) -> Parsed<()> {
+    fn along(
+        &mut self,
+        when: AlongWhen,
+        start: depal_vm::Span,
+        options: &mut MotionOptions,
+    ) -> Parsed<()> {
         let amount = self.unary_value()?;
         match when {
             AlongWhen::DistanceBefore => {

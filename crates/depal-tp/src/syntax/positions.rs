@@ -8,7 +8,11 @@ use super::tree::Taught;
 use crate::position::Position;
 
 /// All taught positions of a section.
-pub(super) fn positions(tokens: &[Token], end: Span, diagnostics: &mut Vec<Diagnostic>) -> Vec<Taught> {
+pub(super) fn positions(
+    tokens: &[Token],
+    end: Span,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Vec<Taught> {
     let mut cursor = Cursor::new(tokens, end, diagnostics);
     let mut taught = Vec::new();
     while !cursor.is_at_end() {
@@ -35,7 +39,10 @@ fn one(cursor: &mut Cursor<'_>) -> Parsed<Taught> {
     }
     cursor.expect("[")?;
     let number = match cursor.peek() {
-        Some(Kind::Number { value, is_real: false }) if *value >= 1.0 && *value <= 32767.0 => *value as u32,
+        Some(Kind::Number {
+            value,
+            is_real: false,
+        }) if *value >= 1.0 && *value <= 32767.0 => *value as u32,
         _ => return cursor.expected("the number of a position, 1 to 32767"),
     };
     cursor.advance();
@@ -77,7 +84,10 @@ fn value(cursor: &mut Cursor<'_>, position: &mut Position, in_group: &mut u32) -
     cursor.advance();
     if super::lexer::is_group(&word) && (cursor.is_symbol(":") || cursor.is_symbol("=")) {
         cursor.advance();
-        *in_group = word.trim_start_matches(|c: char| !c.is_ascii_digit()).parse().unwrap_or(0);
+        *in_group = word
+            .trim_start_matches(|c: char| !c.is_ascii_digit())
+            .parse()
+            .unwrap_or(0);
         return Ok(());
     }
     if !cursor.accept("=") {

@@ -20,7 +20,12 @@ pub(crate) fn print(listing: &Listing) -> String {
         let _ = writeln!(out, "P[{}]{{\n   GP1:", taught.number);
         let position = &taught.position;
         let number = |n: Option<u32>| n.map_or("F".to_owned(), |n| n.to_string());
-        let _ = write!(out, "\tUF : {}, UT : {},", number(position.frame), number(position.tool));
+        let _ = write!(
+            out,
+            "\tUF : {}, UT : {},",
+            number(position.frame),
+            number(position.tool)
+        );
         if !position.is_joint {
             let _ = write!(out, "\tCONFIG : '{}',", position.config);
         }
@@ -93,7 +98,11 @@ pub(super) fn expression(expr: &Expr, least: u8) -> String {
                 }
                 _ => format!("{left}{}{right}", operator.text()),
             };
-            if binding < least { format!("({text})") } else { text }
+            if binding < least {
+                format!("({text})")
+            } else {
+                text
+            }
         }
         ExprKind::Function(function, arguments) => {
             let name = function.row().0;
@@ -183,7 +192,10 @@ fn motion(motion: &Motion) -> String {
     if let Some(value) = &options.acceleration {
         let _ = write!(out, " ACC {}", simple(value));
     }
-    for (name, offset) in [("Offset", &options.offset), ("Tool_Offset", &options.tool_offset)] {
+    for (name, offset) in [
+        ("Offset", &options.offset),
+        ("Tool_Offset", &options.tool_offset),
+    ] {
         match offset {
             None => {}
             Some(None) => {
@@ -254,7 +266,12 @@ fn statement(found: &Statement) -> String {
             subject,
             value,
             action: found,
-        } => format!("SELECT {}={},{}", simple(subject), simple(value), action(found)),
+        } => format!(
+            "SELECT {}={},{}",
+            simple(subject),
+            simple(value),
+            action(found)
+        ),
         Statement::Case {
             value,
             action: found,
@@ -269,14 +286,28 @@ fn statement(found: &Statement) -> String {
             }
         }
         Statement::Motion(found) => motion(found),
-        Statement::SkipCondition(condition) => format!("SKIP CONDITION {}", expression(condition, 1)),
+        Statement::SkipCondition(condition) => {
+            format!("SKIP CONDITION {}", expression(condition, 1))
+        }
         Statement::OffsetCondition { offset, frame } => {
-            let frame = frame.as_ref().map(|f| format!(",UFRAME[{}]", expression(f, 1)));
-            format!("OFFSET CONDITION PR[{}]{}", expression(offset, 1), frame.unwrap_or_default())
+            let frame = frame
+                .as_ref()
+                .map(|f| format!(",UFRAME[{}]", expression(f, 1)));
+            format!(
+                "OFFSET CONDITION PR[{}]{}",
+                expression(offset, 1),
+                frame.unwrap_or_default()
+            )
         }
         Statement::ToolOffsetCondition { offset, tool } => {
-            let tool = tool.as_ref().map(|t| format!(",UTOOL[{}]", expression(t, 1)));
-            format!("TOOL_OFFSET CONDITION PR[{}]{}", expression(offset, 1), tool.unwrap_or_default())
+            let tool = tool
+                .as_ref()
+                .map(|t| format!(",UTOOL[{}]", expression(t, 1)));
+            format!(
+                "TOOL_OFFSET CONDITION PR[{}]{}",
+                expression(offset, 1),
+                tool.unwrap_or_default()
+            )
         }
         Statement::Payload(index) => format!("PAYLOAD[{}]", expression(index, 1)),
         Statement::UserAlarm(index) => format!("UALM[{}]", expression(index, 1)),

@@ -30,7 +30,8 @@ impl Cursor<'_> {
             return self.expected("an instruction");
         };
         let keyword = self.keyword();
-        let is_position = matches!(self.keyword_at(1).as_str(), "P" | "PR") && self.is_symbol_at(2, "[");
+        let is_position =
+            matches!(self.keyword_at(1).as_str(), "P" | "PR") && self.is_symbol_at(2, "[");
         match keyword.as_str() {
             "J" | "L" | "C" | "A" | "S" | "K" if is_position => return self.motion(),
             _ => {}
@@ -155,24 +156,28 @@ impl Cursor<'_> {
                     timeout: None,
                 }
             }
-            "MONITOR" | "WHEN" | "LINEAR_MAX_SPEED" | "JOINT_MAX_SPEED" | "DIAG_REC" | "STOP_TRACKING"
-            | "CALIB" | "RSR" | "VISION" | "TRACK" | "PAUSE_TRACKING" | "ENABLE" | "DISABLE" | "ARC"
-            | "WEAVE" | "SPOT" | "SENSOR_ON" | "SENSOR_OFF" | "STICK" | "TORQ_LIMIT" | "ERROR_PROG"
-            | "RESUME_PROG" | "CLEAR_RESUME_PROG" | "MAINT_PROG" | "RETURN_PATH_DSBL" | "POINT_LOGIC"
-            | "PRINT" | "GET_VAR" | "SET_VAR" | "INDEPENDENT" | "SIMULTANEOUS" => {
+            "MONITOR" | "WHEN" | "LINEAR_MAX_SPEED" | "JOINT_MAX_SPEED" | "DIAG_REC"
+            | "STOP_TRACKING" | "CALIB" | "RSR" | "VISION" | "TRACK" | "PAUSE_TRACKING"
+            | "ENABLE" | "DISABLE" | "ARC" | "WEAVE" | "SPOT" | "SENSOR_ON" | "SENSOR_OFF"
+            | "STICK" | "TORQ_LIMIT" | "ERROR_PROG" | "RESUME_PROG" | "CLEAR_RESUME_PROG"
+            | "MAINT_PROG" | "RETURN_PATH_DSBL" | "POINT_LOGIC" | "PRINT" | "GET_VAR"
+            | "SET_VAR" | "INDEPENDENT" | "SIMULTANEOUS" => {
                 while !self.is_at_end() {
                     self.advance();
                 }
                 Statement::Action(Action::Unsupported(word.clone()))
             }
-            "CALL" | "JMP" | "PAUSE" | "ABORT" | "END" | "TIMER" => Statement::Action(self.action()?),
+            "CALL" | "JMP" | "PAUSE" | "ABORT" | "END" | "TIMER" => {
+                Statement::Action(self.action()?)
+            }
             _ => return self.unknown(word, span),
         })
     }
 
     fn unknown<T>(&mut self, word: &str, span: Span) -> Parsed<T> {
         let upper = word.to_uppercase();
-        let mut message = Diagnostic::error("TP0020", span, format!("there is no instruction {word}"));
+        let mut message =
+            Diagnostic::error("TP0020", span, format!("there is no instruction {word}"));
         let near = STATEMENTS
             .iter()
             .map(|known| (strsim::damerau_levenshtein(&upper, known), *known))
@@ -287,8 +292,14 @@ impl Cursor<'_> {
             _ => {
                 let found = self.found();
                 return self.fail(
-                    Diagnostic::error("TP0021", span, format!("expected an instruction here, found {found}"))
-                        .help("JMP LBL[...], CALL ..., an assignment, PAUSE, ABORT or END can stand here"),
+                    Diagnostic::error(
+                        "TP0021",
+                        span,
+                        format!("expected an instruction here, found {found}"),
+                    )
+                    .help(
+                        "JMP LBL[...], CALL ..., an assignment, PAUSE, ABORT or END can stand here",
+                    ),
                 );
             }
         })
@@ -299,7 +310,10 @@ impl Cursor<'_> {
         let Some(Kind::Word(word)) = self.peek() else {
             return self.expected("the name of a program");
         };
-        let callee = if self.item_kind().is_some_and(|(kind, _)| kind == ItemKind::Sr) {
+        let callee = if self
+            .item_kind()
+            .is_some_and(|(kind, _)| kind == ItemKind::Sr)
+        {
             Callee::Register(self.register(ItemKind::Sr)?)
         } else {
             self.advance();

@@ -6,15 +6,31 @@ use depal_time::SimTime;
 #[test]
 fn labels_and_jumps() {
     assert_eq!(
-        registers(&["R[1]=0", "LBL[1:loop]", "R[1]=R[1]+1", "IF R[1]<5,JMP LBL[1]", "R[2]=R[1]"]),
+        registers(&[
+            "R[1]=0",
+            "LBL[1:loop]",
+            "R[1]=R[1]+1",
+            "IF R[1]<5,JMP LBL[1]",
+            "R[2]=R[1]"
+        ]),
         "R[1]=5 R[2]=5"
     );
     assert_eq!(
-        registers(&["R[1]=3", "JMP LBL[R[1]]", "LBL[2]", "R[9]=2", "LBL[3]", "R[8]=1"]),
+        registers(&[
+            "R[1]=3",
+            "JMP LBL[R[1]]",
+            "LBL[2]",
+            "R[9]=2",
+            "LBL[3]",
+            "R[8]=1"
+        ]),
         "R[1]=3 R[8]=1"
     );
     let end = lines(&["R[1]=4", "JMP LBL[R[1]]", "LBL[2]"]).end;
-    assert_eq!(end, "MAIN/MAIN:2: INTP: Label not found: there is no LBL[4] in this program");
+    assert_eq!(
+        end,
+        "MAIN/MAIN:2: INTP: Label not found: there is no LBL[4] in this program"
+    );
 }
 
 #[test]
@@ -38,7 +54,11 @@ fn if_then_else() {
 #[test]
 fn if_with_an_assignment() {
     assert_eq!(
-        registers(&["R[1]=3", "IF (R[1]>2 AND !DI[1]),R[2]=(R[1]*2)", "IF (R[1]>9),R[3]=1"]),
+        registers(&[
+            "R[1]=3",
+            "IF (R[1]>2 AND !DI[1]),R[2]=(R[1]*2)",
+            "IF (R[1]>9),R[3]=1"
+        ]),
         "R[1]=3 R[2]=6"
     );
 }
@@ -91,20 +111,51 @@ fn select_takes_the_first_case_that_fits() {
 fn calls_with_arguments_by_name_and_by_string() {
     let main = program(
         "MAIN",
-        &["CALL SUB(2,3.5,'x')", "SR[1]='sub'", "CALL SR[1](40,2)", "R[5]=1"],
+        &[
+            "CALL SUB(2,3.5,'x')",
+            "SR[1]='sub'",
+            "CALL SR[1](40,2)",
+            "R[5]=1",
+        ],
         "",
     );
-    let sub = program("SUB", &["R[AR[1]]=AR[1]*AR[2]", "IF R[40]=80,JMP LBL[1]", "END", "LBL[1]", "R[6]=1"], "");
-    let left = run_all(&[main, sub], &depal_tp::Options::default(), FakeSystem::default());
-    assert_eq!((left.end.as_str(), left.registers.join(" ").as_str()), ("", "R[2]=7 R[5]=1 R[6]=1 R[40]=80"));
+    let sub = program(
+        "SUB",
+        &[
+            "R[AR[1]]=AR[1]*AR[2]",
+            "IF R[40]=80,JMP LBL[1]",
+            "END",
+            "LBL[1]",
+            "R[6]=1",
+        ],
+        "",
+    );
+    let left = run_all(
+        &[main, sub],
+        &depal_tp::Options::default(),
+        FakeSystem::default(),
+    );
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[2]=7 R[5]=1 R[6]=1 R[40]=80")
+    );
 }
 
 #[test]
 fn an_argument_that_was_not_given_has_no_value() {
     let main = program("MAIN", &["CALL SUB(1)"], "");
     let sub = program("SUB", &["R[1]=AR[2]"], "");
-    let left = run_all(&[main, sub], &depal_tp::Options::default(), FakeSystem::default());
-    assert!(left.end.starts_with("SUB/SUB:1: INTP: Uninitialized data: AR[2]"), "{}", left.end);
+    let left = run_all(
+        &[main, sub],
+        &depal_tp::Options::default(),
+        FakeSystem::default(),
+    );
+    assert!(
+        left.end
+            .starts_with("SUB/SUB:1: INTP: Uninitialized data: AR[2]"),
+        "{}",
+        left.end
+    );
 }
 
 #[test]
@@ -116,9 +167,18 @@ fn endless_recursion_ends() {
 #[test]
 fn wait_for_a_time_and_for_a_signal() {
     let mut system = FakeSystem::default();
-    system.changes.push((SimTime::from_nanos(3_000_000_000), "DI[1]".into(), 1.0));
+    system
+        .changes
+        .push((SimTime::from_nanos(3_000_000_000), "DI[1]".into(), 1.0));
     let text = listing(
-        &["TIMER[1]=START", "WAIT   1.00(sec)", "R[1]=TIMER[1]", "WAIT DI[1]=ON", "R[2]=TIMER[1]", "WAIT (DI[1] AND !DI[2])"],
+        &[
+            "TIMER[1]=START",
+            "WAIT   1.00(sec)",
+            "R[1]=TIMER[1]",
+            "WAIT DI[1]=ON",
+            "R[2]=TIMER[1]",
+            "WAIT (DI[1] AND !DI[2])",
+        ],
         "",
     );
     let left = run_all(&[text], &depal_tp::Options::default(), system);
@@ -139,7 +199,11 @@ fn a_wait_gives_up_after_waittmout_hundredths() {
         "LBL[1]",
         "R[2]=TIMER[1]",
     ]);
-    let seconds: f64 = left.registers[0].strip_prefix("R[2]=").unwrap().parse().unwrap();
+    let seconds: f64 = left.registers[0]
+        .strip_prefix("R[2]=")
+        .unwrap()
+        .parse()
+        .unwrap();
     assert!((seconds - 0.5).abs() < 0.01, "{seconds}");
 }
 
@@ -147,7 +211,10 @@ fn a_wait_gives_up_after_waittmout_hundredths() {
 fn pause_abort_and_end() {
     assert_eq!(lines(&["R[1]=1", "PAUSE", "R[2]=1"]).end, "stopped: PAUSE");
     let left = lines(&["R[1]=1", "ABORT", "R[2]=1"]);
-    assert_eq!((left.end.as_str(), left.registers.join(" ").as_str()), ("stopped: ABORT", "R[1]=1"));
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("stopped: ABORT", "R[1]=1")
+    );
     assert_eq!(lines(&["END", "R[1]=1"]).end, "");
 }
 
@@ -161,14 +228,25 @@ fn messages_and_alarms() {
 #[test]
 fn a_second_task_is_refused_when_it_comes() {
     let left = lines(&["R[1]=1", "RUN OTHER", "R[1]=2"]);
-    assert!(left.end.starts_with("MAIN/MAIN:2: INTP: Unimplemented TP instruction: RUN OTHER"), "{}", left.end);
+    assert!(
+        left.end
+            .starts_with("MAIN/MAIN:2: INTP: Unimplemented TP instruction: RUN OTHER"),
+        "{}",
+        left.end
+    );
     assert_eq!(left.registers, ["R[1]=1"]);
 }
 
 #[test]
 fn comments_and_empty_lines_do_nothing() {
     assert_eq!(
-        registers(&["!R[1]=1 ; and more", "//R[2]=2", "", "--eg:R[3]=3", "R[4]=4"]),
+        registers(&[
+            "!R[1]=1 ; and more",
+            "//R[2]=2",
+            "",
+            "--eg:R[3]=3",
+            "R[4]=4"
+        ]),
         "R[4]=4"
     );
 }
@@ -193,6 +271,13 @@ fn german_keywords() {
         "",
     );
     let sub = program("UP", &["i[3]=AR[1]*2"], "");
-    let left = run_all(&[main, sub], &depal_tp::Options::default(), FakeSystem::default());
-    assert_eq!((left.end.as_str(), left.registers.join(" ").as_str()), ("", "R[1]=5 R[3]=6"));
+    let left = run_all(
+        &[main, sub],
+        &depal_tp::Options::default(),
+        FakeSystem::default(),
+    );
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[1]=5 R[3]=6")
+    );
 }

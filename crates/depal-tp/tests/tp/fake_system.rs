@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::task::Poll;
 
 use depal_frames::{JointPositions, Pose};
-use depal_tp::{Options, decimal, load, written_registers};
 use depal_time::{SimDuration, SimTime, TICK};
+use depal_tp::{Options, decimal, load, written_registers};
 use depal_vm::execution::{RobotTask, Step};
 use depal_vm::system::*;
 use depal_vm::{Machine, SourceFile};
@@ -38,7 +38,10 @@ pub struct FakeSystem {
 
 impl Default for FakeSystem {
     fn default() -> Self {
-        let names = ["DI[1]", "DI[2]", "DO[1]", "DO[2]", "RI[1]", "RO[1]", "GI[1]", "GO[1]", "AI[1]", "AO[1]"];
+        let names = [
+            "DI[1]", "DI[2]", "DO[1]", "DO[2]", "RI[1]", "RO[1]", "GI[1]", "GO[1]", "AI[1]",
+            "AO[1]",
+        ];
         Self {
             now: SimTime::ZERO,
             trace: Vec::new(),
@@ -84,10 +87,19 @@ pub fn taught(number: u32, values: [f64; 6]) -> String {
 }
 
 pub fn machine_with(texts: &[String], options: &Options) -> Machine {
-    let sources: Vec<_> = texts.iter().map(|t| SourceFile::new("TEST.LS", t.clone())).collect();
+    let sources: Vec<_> = texts
+        .iter()
+        .map(|t| SourceFile::new("TEST.LS", t.clone()))
+        .collect();
     let loaded = load(&sources, options, "MAIN");
-    let shown: Vec<_> = loaded.diagnostics.iter().map(|d| d.plain(&sources)).collect();
-    let program = loaded.program.unwrap_or_else(|| panic!("{}", shown.join("\n")));
+    let shown: Vec<_> = loaded
+        .diagnostics
+        .iter()
+        .map(|d| d.plain(&sources))
+        .collect();
+    let program = loaded
+        .program
+        .unwrap_or_else(|| panic!("{}", shown.join("\n")));
     Machine::new(program, "TP")
 }
 
@@ -123,19 +135,27 @@ pub fn run_all(texts: &[String], options: &Options, mut system: FakeSystem) -> L
     let registers = written_registers(machine.memory());
     Left {
         trace: system.trace.clone(),
-        registers: registers.iter().map(|(n, v)| format!("R[{n}]={}", decimal(*v))).collect(),
+        registers: registers
+            .iter()
+            .map(|(n, v)| format!("R[{n}]={}", decimal(*v)))
+            .collect(),
         end: ended(&end),
         system,
     }
 }
 
 pub fn run_text(text: &str) -> Left {
-    run_all(&[text.to_owned()], &Options::default(), FakeSystem::default())
+    run_all(
+        &[text.to_owned()],
+        &Options::default(),
+        FakeSystem::default(),
+    )
 }
 
 /// Runs lines of `MAIN` with two taught positions.
 pub fn lines(lines: &[&str]) -> Left {
-    let positions = taught(1, [1000.0, 0.0, 500.0, 180.0, 0.0, 0.0]) + &taught(2, [1000.0, 500.0, 500.0, 180.0, 0.0, 90.0]);
+    let positions = taught(1, [1000.0, 0.0, 500.0, 180.0, 0.0, 0.0])
+        + &taught(2, [1000.0, 500.0, 500.0, 180.0, 0.0, 90.0]);
     run_text(&listing(lines, &positions))
 }
 
@@ -191,8 +211,14 @@ impl System for FakeSystem {
         found.ok_or_else(|| Fault::UnknownSignal(name.into()))
     }
 
-    fn set_signal_later(&mut self, name: &str, value: f64, delay: SimDuration) -> Result<(), Fault> {
-        self.changes.push((self.now + delay, name.to_owned(), value));
+    fn set_signal_later(
+        &mut self,
+        name: &str,
+        value: f64,
+        delay: SimDuration,
+    ) -> Result<(), Fault> {
+        self.changes
+            .push((self.now + delay, name.to_owned(), value));
         Ok(())
     }
 
@@ -359,7 +385,8 @@ impl System for FakeSystem {
         let now = self.now;
         if let Some(vision) = &mut self.vision {
             let arrived = vision.pump(now);
-            self.inbox.extend(arrived.into_iter().map(|byte| (now, byte)));
+            self.inbox
+                .extend(arrived.into_iter().map(|byte| (now, byte)));
         }
         let here = self.inbox.iter().take_while(|(at, _)| *at <= now).count();
         if here == 0 {

@@ -35,7 +35,13 @@ fn units_of_speed() {
     // The fake arm stands at (1, 2, 3): 3.2 m from the target.
     assert_eq!(speed("L P[1] 2.0sec FINE"), "1.601");
     assert_eq!(speed("L P[1] 500msec FINE"), "6.403");
-    assert_eq!(moves(&["R[1]=40", "L P[1] R[1]mm/sec FINE"])[0].split(" at ").nth(1).unwrap()[..5], *"0.040");
+    assert_eq!(
+        moves(&["R[1]=40", "L P[1] R[1]mm/sec FINE"])[0]
+            .split(" at ")
+            .nth(1)
+            .unwrap()[..5],
+        *"0.040"
+    );
 }
 
 #[test]
@@ -59,7 +65,10 @@ fn frames_and_tools_in_use() {
         "L PR[3] 100mm/sec FINE",
     ]);
     // x 1000, y 0 in a frame at x 2000 that is turned by 90 degrees.
-    assert_eq!(trace, ["0.000 line 10 Linear tcp 2.0000 1.0000 0.5000 at 0.100 m/s fine tool z 0.300"]);
+    assert_eq!(
+        trace,
+        ["0.000 line 10 Linear tcp 2.0000 1.0000 0.5000 at 0.100 m/s fine tool z 0.300"]
+    );
 }
 
 #[test]
@@ -72,7 +81,11 @@ fn a_position_of_another_frame_is_refused() {
         lines(&["UTOOL_NUM=0", "L P[1] 100mm/sec FINE"]).end,
         "MAIN/MAIN:2: INTP: Tool frame number mismatch: P[1] was taught with UT 1, UTOOL_NUM is 0"
     );
-    assert!(lines(&["UFRAME_NUM=10"]).end.contains("UFRAME_NUM cannot be 10; 0 to 9 are possible"));
+    assert!(
+        lines(&["UFRAME_NUM=10"])
+            .end
+            .contains("UFRAME_NUM cannot be 10; 0 to 9 are possible")
+    );
 }
 
 #[test]
@@ -81,7 +94,10 @@ fn an_unreachable_target_names_the_line_of_the_move() {
         refuse_move: Some(0),
         ..FakeSystem::default()
     };
-    let text = listing(&["R[1]=1", "J P[1] 100% FINE"], &taught(1, [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]));
+    let text = listing(
+        &["R[1]=1", "J P[1] 100% FINE"],
+        &taught(1, [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]),
+    );
     let left = run_all(&[text], &depal_tp::Options::default(), system);
     assert_eq!(
         left.end,
@@ -104,7 +120,11 @@ fn offsets_move_the_target_in_the_frame_or_in_the_tool() {
     ]);
     let heights: Vec<_> = trace.iter().map(|t| t.split(' ').nth(7).unwrap()).collect();
     assert_eq!(heights, ["0.6000", "0.4000", "0.6000", "0.5000"]);
-    assert!(lines(&["L P[1] 100mm/sec FINE Offset"]).end.contains("no OFFSET CONDITION came before"));
+    assert!(
+        lines(&["L P[1] 100mm/sec FINE Offset"])
+            .end
+            .contains("no OFFSET CONDITION came before")
+    );
 }
 
 #[test]
@@ -113,35 +133,59 @@ fn joint_targets_are_those_of_the_arm() {
     let text = listing(&["J P[1] 100% FINE"], positions);
     assert_eq!(
         run_text(&text).trace,
-        ["0.000 line 1 Joint joints [10.0, 20.0, -10.0, 0.0, -90.0, 5.0] at 10.000 m/s fine tool z 0.000"]
+        [
+            "0.000 line 1 Joint joints [10.0, 20.0, -10.0, 0.0, -90.0, 5.0] at 10.000 m/s fine tool z 0.000"
+        ]
     );
     let options = depal_tp::Options {
         is_axis_3_coupled: false,
         ..depal_tp::Options::default()
     };
     let left = run_all(&[text], &options, FakeSystem::default());
-    assert!(left.trace[0].contains("joints [10.0, 20.0, -30.0"), "{:?}", left.trace);
+    assert!(
+        left.trace[0].contains("joints [10.0, 20.0, -30.0"),
+        "{:?}",
+        left.trace
+    );
 }
 
 #[test]
 fn incremental_moves_add_to_where_the_arm_goes() {
-    let trace = moves(&["PR[1]=LPOS-LPOS", "PR[1,1]=10", "L PR[1] 100mm/sec FINE INC"]);
+    let trace = moves(&[
+        "PR[1]=LPOS-LPOS",
+        "PR[1,1]=10",
+        "L PR[1] 100mm/sec FINE INC",
+    ]);
     assert!(trace[0].contains("tcp 1.0100 2.0000 3.0000"), "{trace:?}");
 }
 
 #[test]
 fn where_the_arm_is() {
     assert_eq!(
-        registers(&["PR[1]=LPOS", "PR[2]=JPOS", "R[1]=PR[1,1]", "R[2]=PR[1,3]", "R[3]=PR[2,2]", "R[4]=PR[2,3]"]),
+        registers(&[
+            "PR[1]=LPOS",
+            "PR[2]=JPOS",
+            "R[1]=PR[1,1]",
+            "R[2]=PR[1,3]",
+            "R[3]=PR[2,2]",
+            "R[4]=PR[2,3]"
+        ]),
         "R[1]=1000 R[2]=3000 R[3]=20 R[4]=10"
     );
 }
 
 #[test]
 fn outputs_along_the_way() {
-    let trace = moves(&["L P[1] 100mm/sec CNT100 TB .20sec,DO[1]=ON DB 50.0mm,DO[2]=OFF", "L P[2] 100mm/sec FINE TA .5sec,GO[1]=7"]);
+    let trace = moves(&[
+        "L P[1] 100mm/sec CNT100 TB .20sec,DO[1]=ON DB 50.0mm,DO[2]=OFF",
+        "L P[2] 100mm/sec FINE TA .5sec,GO[1]=7",
+    ]);
     assert_eq!(
-        trace.iter().filter(|t| t.contains("lead")).map(|t| &t[6..]).collect::<Vec<_>>(),
+        trace
+            .iter()
+            .filter(|t| t.contains("lead"))
+            .map(|t| &t[6..])
+            .collect::<Vec<_>>(),
         [
             "DO[1] = 1 BeforeEnd(0.0) lead 0.200 delay 0.000",
             "DO[2] = 0 BeforeEnd(0.05) lead 0.000 delay 0.000",
@@ -163,15 +207,34 @@ fn skip_goes_to_the_label_unless_the_condition_comes_true() {
     ];
     assert_eq!(registers(&text), "R[1]=2");
     let mut system = FakeSystem::default();
-    system.changes.push((depal_time::SimTime::from_nanos(40_000_000), "DI[1]".into(), 1.0));
+    system.changes.push((
+        depal_time::SimTime::from_nanos(40_000_000),
+        "DI[1]".into(),
+        1.0,
+    ));
     let positions = taught(1, [1000.0, 0.0, 500.0, 180.0, 0.0, 0.0]);
-    let left = run_all(&[listing(&text, &positions)], &depal_tp::Options::default(), system);
-    assert_eq!((left.end.as_str(), left.registers.join(" ").as_str()), ("", "R[1]=1 R[2]=1000"));
+    let left = run_all(
+        &[listing(&text, &positions)],
+        &depal_tp::Options::default(),
+        system,
+    );
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[1]=1 R[2]=1000")
+    );
     assert!(left.trace[1].ends_with("stop"), "{:?}", left.trace);
 }
 
 #[test]
 fn values_out_of_range_are_errors() {
-    assert!(lines(&["R[1]=0", "J P[1] R[1]% FINE"]).end.contains("the percentage is 0"));
-    assert!(lines(&["R[1]=101", "J P[1] 5% CNT R[1]"]).end.contains("CNT101"));
+    assert!(
+        lines(&["R[1]=0", "J P[1] R[1]% FINE"])
+            .end
+            .contains("the percentage is 0")
+    );
+    assert!(
+        lines(&["R[1]=101", "J P[1] 5% CNT R[1]"])
+            .end
+            .contains("CNT101")
+    );
 }

@@ -5,20 +5,35 @@ use crate::fake_system::*;
 #[test]
 fn a_slash_is_real_and_div_and_mod_are_whole() {
     assert_eq!(
-        registers(&["R[1]=7/2", "R[2]=7 DIV 2", "R[3]=7 MOD 2", "R[4]=(-7) DIV 2", "R[5]=(-7) MOD 2"]),
+        registers(&[
+            "R[1]=7/2",
+            "R[2]=7 DIV 2",
+            "R[3]=7 MOD 2",
+            "R[4]=(-7) DIV 2",
+            "R[5]=(-7) MOD 2"
+        ]),
         "R[1]=3.5 R[2]=3 R[3]=1 R[4]=-3 R[5]=-1"
     );
 }
 
 #[test]
 fn products_bind_tighter_than_sums() {
-    assert_eq!(registers(&["R[1]=2+3*4", "R[2]=(2+3)*4", "R[3]=10-2-3"]), "R[1]=14 R[2]=20 R[3]=5");
+    assert_eq!(
+        registers(&["R[1]=2+3*4", "R[2]=(2+3)*4", "R[3]=10-2-3"]),
+        "R[1]=14 R[2]=20 R[3]=5"
+    );
 }
 
 #[test]
 fn real_numbers_have_32_bits_and_print_short() {
     assert_eq!(
-        registers(&["R[1]=.1+.2", "R[2]=1/3", "R[3]=16777217", "R[4]=0.0", "R[5]=-2.50"]),
+        registers(&[
+            "R[1]=.1+.2",
+            "R[2]=1/3",
+            "R[3]=16777217",
+            "R[4]=0.0",
+            "R[5]=-2.50"
+        ]),
         "R[1]=0.3 R[2]=0.33333334 R[3]=16777217 R[4]=0 R[5]=-2.5"
     );
 }
@@ -37,7 +52,12 @@ fn only_written_registers_are_told() {
 #[test]
 fn registers_are_addressed_through_registers() {
     assert_eq!(
-        registers(&["R[1]=5", "R[R[1]]=8", "R[2:copy of five]=R[R[1:five]:the number]", "R[3]=R[R[1]-3]"]),
+        registers(&[
+            "R[1]=5",
+            "R[R[1]]=8",
+            "R[2:copy of five]=R[R[1:five]:the number]",
+            "R[3]=R[R[1]-3]"
+        ]),
         "R[1]=5 R[2]=8 R[3]=8 R[5]=8"
     );
 }
@@ -45,7 +65,10 @@ fn registers_are_addressed_through_registers() {
 #[test]
 fn division_by_zero_stops_with_the_line_of_the_listing() {
     let text = "/PROG MAIN\n/MN\n  10:  R[1]=0 ;\n  12:  R[2]=1/R[1] ;\n/POS\n/END\n";
-    assert_eq!(run_text(text).end, "MAIN/MAIN:12: INTP: Divide by zero: 1 / 0");
+    assert_eq!(
+        run_text(text).end,
+        "MAIN/MAIN:12: INTP: Divide by zero: 1 / 0"
+    );
     assert!(lines(&["R[1]=1 DIV 0"]).end.contains("Divide by zero"));
     assert!(lines(&["R[1]=1 MOD .5"]).end.contains("Divide by zero"));
 }
@@ -75,11 +98,24 @@ fn logic_in_brackets() {
 
 #[test]
 fn signals_go_to_the_cabinet_by_their_names() {
-    let left = lines(&["DO[1]=ON", "DO[R[1]+2]=DO[1]", "GO[1]=12", "R[2]=GO[1]", "AO[1]=2.5", "RO[1]=OFF"]);
+    let left = lines(&[
+        "DO[1]=ON",
+        "DO[R[1]+2]=DO[1]",
+        "GO[1]=12",
+        "R[2]=GO[1]",
+        "AO[1]=2.5",
+        "RO[1]=OFF",
+    ]);
     assert_eq!(left.end, "");
     assert_eq!(
         left.trace,
-        ["0.000 DO[1] = 1", "0.000 DO[2] = 1", "0.000 GO[1] = 12", "0.000 AO[1] = 2.5", "0.000 RO[1] = 0"]
+        [
+            "0.000 DO[1] = 1",
+            "0.000 DO[2] = 1",
+            "0.000 GO[1] = 12",
+            "0.000 AO[1] = 2.5",
+            "0.000 RO[1] = 0"
+        ]
     );
     assert_eq!(left.registers, ["R[2]=12"]);
     assert_eq!(
@@ -90,7 +126,12 @@ fn signals_go_to_the_cabinet_by_their_names() {
 
 #[test]
 fn a_pulse_ends_later() {
-    let left = lines(&["DO[1]=PULSE,0.5sec", "R[1]=DO[1]", "WAIT .60(sec)", "R[2]=DO[1]"]);
+    let left = lines(&[
+        "DO[1]=PULSE,0.5sec",
+        "R[1]=DO[1]",
+        "WAIT .60(sec)",
+        "R[2]=DO[1]",
+    ]);
     assert_eq!(left.registers, ["R[1]=1", "R[2]=0"]);
 }
 
@@ -104,7 +145,16 @@ fn outputs_can_be_bits_of_a_group() {
         }],
         ..depal_tp::Options::default()
     };
-    let text = listing(&["DO[1]=ON", "DO[4]=ON", "DO[1]=OFF", "R[1]=DO[4]", "R[2]=GO[1]"], "");
+    let text = listing(
+        &[
+            "DO[1]=ON",
+            "DO[4]=ON",
+            "DO[1]=OFF",
+            "R[1]=DO[4]",
+            "R[2]=GO[1]",
+        ],
+        "",
+    );
     let left = run_all(&[text], &options, FakeSystem::default());
     assert_eq!(left.registers, ["R[1]=1", "R[2]=8"]);
 }
@@ -142,12 +192,21 @@ fn position_registers_by_element_and_as_a_whole() {
 #[test]
 fn a_register_without_a_value_is_an_error() {
     let end = lines(&["PR[2]=PR[1]"]).end;
-    assert_eq!(end, "MAIN/MAIN:1: INTP: Uninitialized data: PR[1] has no value");
+    assert_eq!(
+        end,
+        "MAIN/MAIN:1: INTP: Uninitialized data: PR[1] has no value"
+    );
     // One element does not make a position.
     let end = lines(&["PR[1,1]=100", "R[1]=PR[1,1]", "J PR[1] 100% FINE"]).end;
-    assert_eq!(end, "MAIN/MAIN:3: INTP: Uninitialized data: PR[1] has no value");
+    assert_eq!(
+        end,
+        "MAIN/MAIN:3: INTP: Uninitialized data: PR[1] has no value"
+    );
     let end = lines(&["J P[9] 100% FINE"]).end;
-    assert_eq!(end, "MAIN/MAIN:1: INTP: Uninitialized data: P[9] has no value");
+    assert_eq!(
+        end,
+        "MAIN/MAIN:1: INTP: Uninitialized data: P[9] has no value"
+    );
 }
 
 #[test]
@@ -159,7 +218,12 @@ fn kinds_of_positions_do_not_mix() {
 #[test]
 fn system_variables_are_read_and_set() {
     assert_eq!(
-        registers(&["R[1]=$WAITTMOUT", "$WAITTMOUT=200", "R[2]=$WAITTMOUT", "R[3]=$MCR.$GENOVERRIDE"]),
+        registers(&[
+            "R[1]=$WAITTMOUT",
+            "$WAITTMOUT=200",
+            "R[2]=$WAITTMOUT",
+            "R[3]=$MCR.$GENOVERRIDE"
+        ]),
         "R[1]=3000 R[2]=200 R[3]=100"
     );
     assert!(lines(&["R[1]=$NOT_THERE.$X"]).end.contains("$NOT_THERE.$X"));
@@ -183,7 +247,13 @@ fn a_timer_runs_between_start_and_stop() {
 #[test]
 fn functions_take_degrees() {
     assert_eq!(
-        registers(&["R[1]=SQRT[16]", "R[2]=ABS[(-3)]", "R[3]=COS[60]", "R[4]=ATAN2[1,1]", "R[5]=TRUNC[2.7]"]),
+        registers(&[
+            "R[1]=SQRT[16]",
+            "R[2]=ABS[(-3)]",
+            "R[3]=COS[60]",
+            "R[4]=ATAN2[1,1]",
+            "R[5]=TRUNC[2.7]"
+        ]),
         "R[1]=4 R[2]=3 R[3]=0.5 R[4]=45 R[5]=2"
     );
 }

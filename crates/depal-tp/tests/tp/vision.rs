@@ -2,9 +2,10 @@
 
 use depal_frames::{BoxSize, EulerConvention, JointPositions, Pose, Vector};
 use depal_interface::{
-    BranchStep, CalibrationPose, ConnectionId, CustomPort, Encoding, IndexStep, Job, Motion, OutputPort,
-    ParameterRange, PathPoint, PlannedPath, PortId, PortSettings, Server, ServerSettings, StepParameter, VisionMoveData,
-    VisionPoint, VisionProject, VisionResult, VizProject,
+    BranchStep, CalibrationPose, ConnectionId, CustomPort, Encoding, IndexStep, Job, Motion,
+    OutputPort, ParameterRange, PathPoint, PlannedPath, PortId, PortSettings, Server,
+    ServerSettings, StepParameter, VisionMoveData, VisionPoint, VisionProject, VisionResult,
+    VizProject,
 };
 use depal_time::{SimDuration, SimTime};
 
@@ -71,7 +72,10 @@ impl Vision {
             ],
             viz: Some(VizProject {
                 branches: vec![BranchStep { step: 1, exits: 3 }],
-                index_steps: vec![IndexStep { step: 2, places: 20 }],
+                index_steps: vec![IndexStep {
+                    step: 2,
+                    places: 20,
+                }],
                 parameters: vec![StepParameter {
                     step: 3,
                     key: "xCount".into(),
@@ -116,7 +120,9 @@ impl Vision {
         if self.server.poll_timeout().is_some_and(|at| at <= now) {
             self.server.handle_timeout(now);
         }
-        let (ready, later) = std::mem::take(&mut self.due).into_iter().partition(|(at, _)| *at <= now);
+        let (ready, later) = std::mem::take(&mut self.due)
+            .into_iter()
+            .partition(|(at, _)| *at <= now);
         self.due = later;
         let ready: Vec<(SimTime, Job)> = ready;
         for (_, job) in ready {
@@ -136,12 +142,18 @@ impl Vision {
             label,
         };
         match job {
-            Job::RunVision { job_id, project: 1, .. } => {
+            Job::RunVision {
+                job_id, project: 1, ..
+            } => {
                 // More points than a part holds.
-                let points = (0..23).map(|k| point(1.0 + 0.01 * f64::from(k), k)).collect();
+                let points = (0..23)
+                    .map(|k| point(1.0 + 0.01 * f64::from(k), k))
+                    .collect();
                 self.server.finish_vision(now, *job_id, Ok(points));
             }
-            Job::RunVision { job_id, project: 2, .. } => {
+            Job::RunVision {
+                job_id, project: 2, ..
+            } => {
                 self.server.finish_vision_path(now, *job_id, Ok(path()));
             }
             Job::RunVision { job_id, .. } => {

@@ -75,9 +75,27 @@ fn both_byte_orders_of_every_kind_of_cell() {
         let reply = pack(
             order,
             &[
-                Int(102), Int(1100), Int(1), Int(2), Int(0),
-                Real(95.5), Real(644.25), Real(401.0), Real(-91.0), Real(10.0), Real(180.0), Int(7), Int(50),
-                Real(1.0), Real(2.0), Real(3.0), Real(4.0), Real(5.0), Real(6.0), Int(8), Int(60),
+                Int(102),
+                Int(1100),
+                Int(1),
+                Int(2),
+                Int(0),
+                Real(95.5),
+                Real(644.25),
+                Real(401.0),
+                Real(-91.0),
+                Real(10.0),
+                Real(180.0),
+                Int(7),
+                Int(50),
+                Real(1.0),
+                Real(2.0),
+                Real(3.0),
+                Real(4.0),
+                Real(5.0),
+                Real(6.0),
+                Int(8),
+                Int(60),
             ],
             660,
         );
@@ -92,7 +110,10 @@ fn both_byte_orders_of_every_kind_of_cell() {
                 "CALL MM_GET_POS(2,60,63,64)",
                 "R[3]=PR[60,6]",
             ],
-            vec![at_once(pack(order, &[Int(101), Int(1102)], 660)), at_once(reply)],
+            vec![
+                at_once(pack(order, &[Int(101), Int(1102)], 660)),
+                at_once(reply),
+            ],
         );
         assert_eq!(left.end, "");
         assert_eq!(
@@ -102,7 +123,18 @@ fn both_byte_orders_of_every_kind_of_cell() {
         // The fake arm's flange: 1, 2, 3 m from the foot, not turned.
         let request = pack(
             order,
-            &[Int(101), Int(1), Int(0), Int(2), Real(1000.0), Real(2000.0), Real(3000.0), Real(0.0), Real(0.0), Real(0.0)],
+            &[
+                Int(101),
+                Int(1),
+                Int(0),
+                Int(2),
+                Real(1000.0),
+                Real(2000.0),
+                Real(3000.0),
+                Real(0.0),
+                Real(0.0),
+                Real(0.0),
+            ],
             64,
         );
         assert_eq!(left.system.sent[0], request);
@@ -116,8 +148,19 @@ fn joints_on_the_wire_are_those_of_the_arm() {
     let reply = pack(
         order,
         &[
-            Int(205), Int(2100), Int(1), Int(1), Int(1),
-            Real(10.0), Real(20.0), Real(30.0), Real(0.0), Real(0.0), Real(0.0), Int(0), Int(50),
+            Int(205),
+            Int(2100),
+            Int(1),
+            Int(1),
+            Int(1),
+            Real(10.0),
+            Real(20.0),
+            Real(30.0),
+            Real(0.0),
+            Real(0.0),
+            Real(0.0),
+            Int(0),
+            Int(50),
         ],
         660,
     );
@@ -131,14 +174,26 @@ fn joints_on_the_wire_are_those_of_the_arm() {
             "CALL MM_GET_JPS(1,61,54,55)",
             "R[2]=PR[61,3]",
         ],
-        vec![at_once(pack(order, &[Int(201), Int(2103)], 660)), at_once(reply)],
+        vec![
+            at_once(pack(order, &[Int(201), Int(2103)], 660)),
+            at_once(reply),
+        ],
     );
     assert_eq!(left.end, "");
     // The fake arm stands at 10, 20, 30, 40, 50, 60 degrees: J3 is shown as 30 - 20.
     assert_eq!(left.registers[..2], ["R[1]=10", "R[2]=10"]);
     let sent = pack(
         order,
-        &[Int(201), Int(2), Real(10.0), Real(20.0), Real(30.0), Real(40.0), Real(50.0), Real(60.0)],
+        &[
+            Int(201),
+            Int(2),
+            Real(10.0),
+            Real(20.0),
+            Real(30.0),
+            Real(40.0),
+            Real(50.0),
+            Real(60.0),
+        ],
         64,
     );
     assert_eq!(left.system.sent[0], sent);
@@ -148,46 +203,94 @@ fn joints_on_the_wire_are_those_of_the_arm() {
 fn parts_of_a_list_are_joined() {
     let order = ByteOrder::BigEndian;
     let part = |is_last: i32, count: i32, vision_move: i32, label: i32| {
-        let mut cells = vec![Int(205), Int(2100), Int(is_last), Int(count), Int(vision_move)];
+        let mut cells = vec![
+            Int(205),
+            Int(2100),
+            Int(is_last),
+            Int(count),
+            Int(vision_move),
+        ];
         for k in 0..count {
-            cells.extend([Real(0.0), Real(0.0), Real(0.0), Real(0.0), Real(0.0), Real(0.0), Int(label + k), Int(1)]);
+            cells.extend([
+                Real(0.0),
+                Real(0.0),
+                Real(0.0),
+                Real(0.0),
+                Real(0.0),
+                Real(0.0),
+                Int(label + k),
+                Int(1),
+            ]);
         }
         at_once(pack(order, &cells, 660))
     };
     let left = scripted(
         order,
-        &["CALL MM_GET_VIZ(2,51,53,52)", "CALL MM_GET_POS(45,60,61,62)"],
+        &[
+            "CALL MM_GET_VIZ(2,51,53,52)",
+            "CALL MM_GET_POS(45,60,61,62)",
+        ],
         vec![part(0, 20, 0, 100), part(0, 20, 3, 200), part(1, 5, 0, 300)],
     );
     assert_eq!(left.end, "");
-    assert_eq!(left.registers.join(" "), "R[51]=45 R[52]=2100 R[53]=23 R[61]=304 R[62]=1");
+    assert_eq!(
+        left.registers.join(" "),
+        "R[51]=45 R[52]=2100 R[53]=23 R[61]=304 R[62]=1"
+    );
 }
 
 #[test]
 fn a_refusal_goes_to_the_status_register_or_stops_the_program() {
     let order = ByteOrder::BigEndian;
-    let refusal = |command: i32, code: i32| vec![at_once(pack(order, &[Int(command), Int(code)], 660))];
+    let refusal =
+        |command: i32, code: i32| vec![at_once(pack(order, &[Int(command), Int(code)], 660))];
     let left = scripted(order, &["CALL MM_GET_VIS(1,51,52)"], refusal(102, 1020));
-    assert_eq!((left.end.as_str(), left.registers.join(" ").as_str()), ("", "R[51]=0 R[52]=1020"));
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[51]=0 R[52]=1020")
+    );
     let left = scripted(order, &["CALL MM_SET_MOD(1,9,70)"], refusal(103, 1012));
-    assert_eq!((left.end.as_str(), left.registers.join(" ").as_str()), ("", "R[70]=1012"));
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[70]=1012")
+    );
     let left = scripted(order, &["CALL MM_START_VIS(9,0,0,60)"], refusal(101, 1011));
-    assert!(left.end.starts_with("MAIN/MAIN:2: Robot_CMD_Error: MM_START_VIS: status 1011"), "{}", left.end);
+    assert!(
+        left.end
+            .starts_with("MAIN/MAIN:2: Robot_CMD_Error: MM_START_VIS: status 1011"),
+        "{}",
+        left.end
+    );
 }
 
 #[test]
 fn the_wrong_byte_order_is_noticed() {
     let little = pack(ByteOrder::LittleEndian, &[Int(901), Int(1101)], 660);
-    let left = scripted(ByteOrder::BigEndian, &["CALL MM_GET_STAT(70)", "CALL MM_GET_STAT(71)"], vec![at_once(little)]);
+    let left = scripted(
+        ByteOrder::BigEndian,
+        &["CALL MM_GET_STAT(70)", "CALL MM_GET_STAT(71)"],
+        vec![at_once(little)],
+    );
     // Then the connection is closed.
-    assert_eq!((left.end.as_str(), left.registers.join(" ").as_str()), ("", "R[70]=3096 R[71]=3099"));
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[70]=3096 R[71]=3099")
+    );
 }
 
 #[test]
 fn without_a_connection() {
-    let left = run_text(&listing(&["CALL MM_GET_STAT(70)", "CALL MM_SET_BS(1,400,300,250)"], ""));
+    let left = run_text(&listing(
+        &["CALL MM_GET_STAT(70)", "CALL MM_SET_BS(1,400,300,250)"],
+        "",
+    ));
     assert_eq!(left.registers, ["R[70]=3099"]);
-    assert!(left.end.starts_with("MAIN/MAIN:2: Robot_Socket_Closed: MM_SET_BS"), "{}", left.end);
+    assert!(
+        left.end
+            .starts_with("MAIN/MAIN:2: Robot_Socket_Closed: MM_SET_BS"),
+        "{}",
+        left.end
+    );
     let system = FakeSystem {
         connect_after: None,
         ..FakeSystem::default()
@@ -195,30 +298,53 @@ fn without_a_connection() {
     let text = listing(&["CALL MM_INIT_SKT('1','1.2.3.4',50000,5,70)", INIT], "");
     let left = run_all(&[text], &Options::default(), system);
     assert_eq!(left.registers, ["R[70]=3099"]);
-    assert!(left.end.starts_with("MAIN/MAIN:2: Robot_Socket_Closed"), "{}", left.end);
+    assert!(
+        left.end.starts_with("MAIN/MAIN:2: Robot_Socket_Closed"),
+        "{}",
+        left.end
+    );
 }
 
 #[test]
 fn a_connection_lost_on_the_way_is_a_status() {
-    let half = pack(ByteOrder::BigEndian, &[Int(205), Int(2100), Int(1), Int(20), Int(3)], 100);
+    let half = pack(
+        ByteOrder::BigEndian,
+        &[Int(205), Int(2100), Int(1), Int(20), Int(3)],
+        100,
+    );
     let system = FakeSystem {
         replies: vec![vec![(SimDuration::from_millis(8), half)]].into(),
         peer_closes_at: Some(SimTime::from_nanos(2_000_000_000)),
         ..FakeSystem::default()
     };
     let text = listing(
-        &[INIT, "CALL MM_GET_VIZ(2,51,53,52)", "IF R[52]<>2100,JMP LBL[9]", "J PR[1] 10% FINE", "LBL[9]", "R[99]=1"],
+        &[
+            INIT,
+            "CALL MM_GET_VIZ(2,51,53,52)",
+            "IF R[52]<>2100,JMP LBL[9]",
+            "J PR[1] 10% FINE",
+            "LBL[9]",
+            "R[99]=1",
+        ],
         "",
     );
     let left = run_all(&[text], &Options::default(), system);
     assert_eq!(left.end, "");
-    assert_eq!(left.registers.join(" "), "R[51]=0 R[52]=3097 R[53]=0 R[99]=1");
+    assert_eq!(
+        left.registers.join(" "),
+        "R[51]=0 R[52]=3097 R[53]=0 R[99]=1"
+    );
 }
 
 #[test]
 fn no_reply_in_the_time_of_init() {
     let left = run_text(&listing(
-        &["CALL MM_INIT_SKT('2','1.2.3.4',50000,.1)", "TIMER[1]=START", "CALL MM_GET_STAT(70)", "R[1]=TIMER[1]"],
+        &[
+            "CALL MM_INIT_SKT('2','1.2.3.4',50000,.1)",
+            "TIMER[1]=START",
+            "CALL MM_GET_STAT(70)",
+            "R[1]=TIMER[1]",
+        ],
         "",
     ));
     assert_eq!(left.registers[1], "R[70]=3098");
@@ -238,7 +364,11 @@ fn wrong_arguments() {
         assert!(left.end.contains(part), "{}", left.end);
     }
     let left = lines(&[INIT, "PR[60]=LPOS", "CALL MM_START_VIZ(2,60)"]);
-    assert!(left.end.contains("PR[60] must hold joint angles"), "{}", left.end);
+    assert!(
+        left.end.contains("PR[60] must hold joint angles"),
+        "{}",
+        left.end
+    );
 }
 
 #[test]
@@ -252,11 +382,15 @@ fn listed_outputs_are_switched_on_and_no_other_off() {
         vec![at_once(pack(order, &cells, 660))],
     );
     assert_eq!(left.end, "");
-    assert_eq!(left.trace[1..].iter().map(|t| &t[6..]).collect::<Vec<_>>(), ["DO[1] = 1", "DO[2] = 1"]);
+    assert_eq!(
+        left.trace[1..].iter().map(|t| &t[6..]).collect::<Vec<_>>(),
+        ["DO[1] = 1", "DO[2] = 1"]
+    );
 }
 
 fn every_call(order: ByteOrder, encoding: Encoding) -> Left {
-    let text = include_str!("../../../../assets/tp/MM_ALL.LS").replace("/PROG  MM_ALL", "/PROG  MAIN");
+    let text =
+        include_str!("../../../../assets/tp/MM_ALL.LS").replace("/PROG  MM_ALL", "/PROG  MAIN");
     let options = Options {
         byte_order: order,
         ..Options::default()
@@ -278,14 +412,50 @@ fn every_call_once_against_the_server() {
         assert_eq!(left.end, "");
         let told = left.registers.join(" ");
         for register in [
-            "R[70]=1101", "R[51]=23", "R[52]=1100", "R[61]=0", "R[53]=3", "R[54]=2", "R[55]=1103", "R[56]=2",
-            "R[57]=1100", "R[65]=5", "R[66]=2.5", "R[67]=3.5", "R[10]=2109", "R[11]=6.5", "R[12]=2108", "R[13]=77",
-            "R[14]=3", "R[15]=2", "R[16]=2100", "R[17]=3", "R[18]=2", "R[19]=2100", "R[20]=2", "R[21]=1", "R[22]=40",
-            "R[131]=3", "R[141]=4", "R[142]=2", "R[143]=1", "R[144]=10", "R[151]=250", "R[200]=0",
+            "R[70]=1101",
+            "R[51]=23",
+            "R[52]=1100",
+            "R[61]=0",
+            "R[53]=3",
+            "R[54]=2",
+            "R[55]=1103",
+            "R[56]=2",
+            "R[57]=1100",
+            "R[65]=5",
+            "R[66]=2.5",
+            "R[67]=3.5",
+            "R[10]=2109",
+            "R[11]=6.5",
+            "R[12]=2108",
+            "R[13]=77",
+            "R[14]=3",
+            "R[15]=2",
+            "R[16]=2100",
+            "R[17]=3",
+            "R[18]=2",
+            "R[19]=2100",
+            "R[20]=2",
+            "R[21]=1",
+            "R[22]=40",
+            "R[131]=3",
+            "R[141]=4",
+            "R[142]=2",
+            "R[143]=1",
+            "R[144]=10",
+            "R[151]=250",
+            "R[200]=0",
         ] {
-            assert!(told.split(' ').any(|r| r == register), "{register} is not among {told}");
+            assert!(
+                told.split(' ').any(|r| r == register),
+                "{register} is not among {told}"
+            );
         }
-        let outputs: Vec<_> = left.trace.iter().filter(|t| t.contains("DO[")).map(|t| &t[6..]).collect();
+        let outputs: Vec<_> = left
+            .trace
+            .iter()
+            .filter(|t| t.contains("DO["))
+            .map(|t| &t[6..])
+            .collect();
         assert_eq!(outputs, ["DO[1] = 1", "DO[2] = 1"]);
         // The calibration: five points, and back to where it began.
         assert_eq!(left.trace.iter().filter(|t| t.contains("Joint")).count(), 6);
@@ -296,7 +466,11 @@ fn every_call_once_against_the_server() {
 fn the_other_byte_order_meets_no_success() {
     let left = every_call(ByteOrder::LittleEndian, Encoding::HexBigEndian);
     assert!(left.end.contains("Robot_"), "{}", left.end);
-    assert!(!left.registers.iter().any(|r| r == "R[70]=1101"), "{:?}", left.registers);
+    assert!(
+        !left.registers.iter().any(|r| r == "R[70]=1101"),
+        "{:?}",
+        left.registers
+    );
 }
 
 proptest! {
