@@ -36,7 +36,7 @@ impl Position {
     }
 
     pub(crate) fn from_pose(pose: &Pose) -> Self {
-        Self::cartesian(EulerConvention::FanucWpr.mm_deg_from_pose(pose))
+        Self::cartesian(shown_pose(pose))
     }
 
     pub(crate) fn pose(&self) -> Pose {
@@ -85,6 +85,13 @@ impl Position {
             values,
         })
     }
+}
+
+/// x, y, z in mm and W, P, R in degrees; no zero with a sign.
+pub(crate) fn shown_pose(pose: &Pose) -> [f64; 6] {
+    EulerConvention::FanucWpr
+        .mm_deg_from_pose(pose)
+        .map(|v| v + 0.0)
 }
 
 /// Axes of the arm (radians, each against the link before) from those the controller shows (degrees).

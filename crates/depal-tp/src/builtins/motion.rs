@@ -299,6 +299,11 @@ fn along(context: &CallContext<'_>) -> Result<Vec<PathEvent>, RaisedError> {
         let word = context.string(at + 2)?;
         let index = number(context, at + 3)?;
         let value = number(context, at + 4)?;
+        if word == "DO" && state::group_of(context.memory, index as u32).is_some() {
+            return Err(interpreter(format!(
+                "DO[{index}] is a bit of a group; switching it along a move is not simulated"
+            )));
+        }
         let time = SimDuration::from_secs_f64(amount.clamp(0.0, 60.0));
         let (place, lead, delay) = match when {
             0 => (0.0, time, SimDuration::default()),
@@ -376,6 +381,10 @@ fn request(
             through: Point::from(through.translation.vector),
             to: pose_of(target),
         };
+    }
+    if let (MoveKind::Linear, MoveTarget::Joints(joints)) = (kind, &target) {
+        // A straight line to taught joints ends at the pose that they make.
+        target = MoveTarget::Tcp(system.forward(joints) * flange_from_tcp);
     }
     let speed = speed(context, system, &target, &flange_from_tcp)?;
     let request = MoveRequest {

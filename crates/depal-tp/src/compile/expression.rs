@@ -127,7 +127,7 @@ impl Compiler<'_> {
 
     fn binary(&mut self, operator: Operator, left: &Expr, right: &Expr, span: Span) {
         let (a, b) = (kind_of(left), kind_of(right));
-        use Known::{Any, Number, Position, Switch, Text};
+        use Known::{Any, Number, Position, Switch};
         let fits = match operator {
             Operator::And | Operator::Or => matches!(a, Switch | Any) && matches!(b, Switch | Any),
             Operator::Equal | Operator::NotEqual => {

@@ -2,7 +2,6 @@
 
 use std::task::Poll;
 
-use depal_frames::EulerConvention;
 use depal_vm::system::System;
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 use depal_wire::{
@@ -12,7 +11,7 @@ use depal_wire::{
 
 use super::link::{argument, code, exchange, failure, report, whole};
 use crate::builtins::{Ran, done, number};
-use crate::position::{Position, arm_from_shown};
+use crate::position::{Position, arm_from_shown, shown_pose};
 use crate::state;
 
 /// Joints of the arm's description in degrees, and the flange pose in the robot base.
@@ -22,7 +21,7 @@ pub(super) fn here(system: &dyn System) -> ([f64; 6], [f64; 6]) {
     for (to, from) in degrees.iter_mut().zip(joints.to_degrees()) {
         *to = from;
     }
-    let flange = EulerConvention::FanucWpr.mm_deg_from_pose(&system.forward(&joints));
+    let flange = shown_pose(&system.forward(&joints));
     (degrees, flange)
 }
 

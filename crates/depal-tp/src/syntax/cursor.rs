@@ -54,14 +54,6 @@ impl<'a> Cursor<'a> {
         self.at += 1;
     }
 
-    pub fn position(&self) -> usize {
-        self.at
-    }
-
-    pub fn go_back(&mut self, position: usize) {
-        self.at = position;
-    }
-
     pub fn is_at_end(&self) -> bool {
         self.at >= self.tokens.len()
     }

@@ -11,9 +11,5 @@ mod print;
 mod statement;
 pub(crate) mod tree;
 
-pub(crate) use keywords::canonical;
 pub(crate) use listing::parse;
 pub(crate) use print::print;
-
-#[cfg(test)]
-mod tests;

@@ -1,5 +1,6 @@
 //! A cabinet that writes down what is asked of it. Moves take 100 ms each; a statement 20 us; a tick 4 ms.
 
+use crate::vision::Vision;
 use std::collections::{BTreeMap, VecDeque};
 use std::task::Poll;
 
@@ -10,7 +11,6 @@ use depal_vm::execution::{RobotTask, Step};
 use depal_vm::system::*;
 use depal_vm::{Machine, SourceFile};
 
-#[derive(Debug, Clone)]
 pub struct FakeSystem {
     pub now: SimTime,
     pub trace: Vec<String>,
@@ -19,8 +19,12 @@ pub struct FakeSystem {
     pub changes: Vec<(SimTime, String, f64)>,
     pub moves: Vec<SimTime>,
     pub refuse_move: Option<usize>,
-    /// Bytes that the peer sends, each so long after the one before was asked for.
-    pub replies: VecDeque<(SimDuration, Vec<u8>)>,
+    /// Replies to requests of 64 bytes: pieces, each so long after the request.
+    pub replies: VecDeque<Vec<(SimDuration, Vec<u8>)>>,
+    /// A vision system in this process instead of a script.
+    pub vision: Option<Box<Vision>>,
+    pub outgoing: Vec<u8>,
+    pub writes: usize,
     pub inbox: Vec<(SimTime, u8)>,
     pub sent: Vec<Vec<u8>>,
     pub sockets: Vec<SocketState>,
@@ -46,6 +50,9 @@ impl Default for FakeSystem {
             moves: Vec::new(),
             refuse_move: None,
             replies: VecDeque::new(),
+            vision: None,
+            outgoing: Vec::new(),
+            writes: 0,
             inbox: Vec::new(),
             sent: Vec::new(),
             sockets: Vec::new(),
@@ -101,7 +108,6 @@ pub fn machine(text: &str) -> Machine {
 }
 
 /// What a run left behind.
-#[derive(Debug)]
 pub struct Left {
     pub trace: Vec<String>,
     pub registers: Vec<String>,
@@ -351,11 +357,21 @@ impl System for FakeSystem {
     }
 
     fn socket_send(&mut self, _: SocketId, bytes: &[u8]) -> Result<(), Fault> {
-        self.note(format!("send {bytes:?}"));
-        self.sent.push(bytes.to_vec());
-        if let Some((delay, reply)) = self.replies.pop_front() {
-            let at = self.now + delay;
-            self.inbox.extend(reply.into_iter().map(|byte| (at, byte)));
+        if self.peer_closes_at.is_some_and(|at| at <= self.now) {
+            return Err(Fault::SocketClosed);
+        }
+        self.writes += 1;
+        self.outgoing.extend(bytes);
+        if let Some(vision) = &mut self.vision {
+            vision.take(self.now, bytes);
+        }
+        while self.outgoing.len() >= 64 {
+            let frame: Vec<u8> = self.outgoing.drain(..64).collect();
+            self.sent.push(frame);
+            for (delay, piece) in self.replies.pop_front().unwrap_or_default() {
+                let at = self.now + delay;
+                self.inbox.extend(piece.into_iter().map(|byte| (at, byte)));
+            }
         }
         Ok(())
     }
@@ -367,6 +383,11 @@ impl System for FakeSystem {
             }));
         }
         let now = self.now;
+        if let Some(vision) = &mut self.vision {
+            let arrived = vision.pump(now);
+            self.inbox
+                .extend(arrived.into_iter().map(|byte| (now, byte)));
+        }
         let here = self.inbox.iter().take_while(|(at, _)| *at <= now).count();
         if here == 0 {
             if self.peer_closes_at.is_some_and(|at| at <= now) {

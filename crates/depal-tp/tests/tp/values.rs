@@ -167,7 +167,7 @@ fn strings_are_joined_measured_and_cut() {
             "SR[2]=SR[1]+'Box7'",
             "R[1]=STRLEN SR[2]",
             "R[2]=FINDSTR SR[2],'box'",
-            "SR[3]=SUBSTR SR[2],R[2]+3,1",
+            "SR[3]=SUBSTR SR[2],(R[2]+3),1",
             "R[3]=SR[3]",
         ]),
         "R[1]=8 R[2]=5 R[3]=7"
