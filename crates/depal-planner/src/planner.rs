@@ -48,17 +48,32 @@ pub fn plan_pick(request: &PlanRequest) -> Result<PickPlan, Refusal> {
         start_far: planner_start(request, &robot, &worlds)?,
     };
     let mut candidates = Candidates::choose(request);
-    for group in &candidates.order {
-        match planner.pick(group) {
-            Ok(mut plan) => {
-                plan.rejected = candidates.rejected;
-                return Ok(plan);
+    let rejection = |group: &Group, reason| Rejection {
+        box_index: group.members[0],
+        with: group.members[1..].to_vec(),
+        reason,
+    };
+    for layer in &candidates.layers {
+        // First what can be held as well as it can be: a neighbour that stands in the way may be gone by and by.
+        let mut passed = Vec::new();
+        for group in layer {
+            match planner.pick(group, Grasps::Best) {
+                Ok(mut plan) => {
+                    candidates.rejected.append(&mut passed);
+                    plan.rejected = candidates.rejected;
+                    return Ok(plan);
+                }
+                Err(reason) => passed.push(rejection(group, reason)),
             }
-            Err(reason) => candidates.rejected.push(Rejection {
-                box_index: group.members[0],
-                with: group.members[1..].to_vec(),
-                reason,
-            }),
+        }
+        for group in layer {
+            match planner.pick(group, Grasps::All) {
+                Ok(mut plan) => {
+                    plan.rejected = candidates.rejected;
+                    return Ok(plan);
+                }
+                Err(reason) => candidates.rejected.push(rejection(group, reason)),
+            }
         }
     }
     Err(Refusal::NothingFits(candidates.rejected))
@@ -94,6 +109,15 @@ struct Planner<'a> {
     robot: &'a Robot<'a>,
     worlds: &'a Worlds,
     start_far: bool,
+}
+
+/// Which grasps of a group are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Grasps {
+    /// The best one and those equally good.
+    Best,
+    /// All of them, and where all are blocked the search.
+    All,
 }
 
 /// One combination of grasp, joints at the pick and joints at the place.
@@ -161,7 +185,7 @@ impl Planner<'_> {
         Pose::from_parts(pose.translation, level)
     }
 
-    fn pick(&self, group: &Group) -> Result<PickPlan, RejectReason> {
+    fn pick(&self, group: &Group, which: Grasps) -> Result<PickPlan, RejectReason> {
         let settings = self.request.settings;
         let (mass, limit) = (load(group, settings), settings.max_load);
         if mass > limit {
@@ -173,7 +197,11 @@ impl Planner<'_> {
         let mut tried = 0;
         let mut first: Vec<(&Grasp, Attempt)> = Vec::new();
         // Equally good grasps are mixed and sorted by time; worse ones come only when these lead nowhere.
-        for tier in grasps.chunk_by(equally_good) {
+        let most = match which {
+            Grasps::Best => 1,
+            Grasps::All => usize::MAX,
+        };
+        for tier in grasps.chunk_by(equally_good).take(most) {
             for attempt in self.attempts(group, tier, &mut notes) {
                 tried += 1;
                 let grasp = &tier[attempt.grasp];
@@ -189,6 +217,9 @@ impl Planner<'_> {
                     first.push((grasp, attempt));
                 }
             }
+        }
+        if which == Grasps::Best && grasps.chunk_by(equally_good).count() > 1 {
+            return Err(notes.reason(tried));
         }
         // No template is free: search for the first few.
         for (grasp, attempt) in &first {
