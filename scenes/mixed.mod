@@ -7,6 +7,7 @@ MODULE MainModule
   ! One round: start the Viz project from the capture pose, fetch the waypoints
   ! and the gripper's DO list, go to the Vision Move waypoint, switch the vacuum
   ! on, check it, carry on to the last waypoint (the place), release.
+  ! A loaded move at p percent is slowed as a whole: velocity p, acceleration p*p.
   ! The next round is started at the place, while the vacuum bleeds off: there
   ! the arm is out of the camera's view, and planning takes no time of its own.
   !
@@ -130,8 +131,8 @@ MODULE MainModule
     VAR robtarget pPlace;
     VAR bool bHeld;
 
-    AccSet nAccLoaded,nAccLoaded;
     FOR i FROM nVis+1 TO nWay DO
+      AccLoaded nSpeed{i};
       Go i;
     ENDFOR
     bHeld:=diVacuumOk=1;
@@ -144,6 +145,16 @@ MODULE MainModule
     MoveAbsJ jHome\NoEOffs,Speed(100),zFree,tGripper\WObj:=wobj0;
     RETURN bHeld;
   ENDFUNC
+
+  ! Acceleration of a loaded move at this velocity, percent; a cabinet takes 20 at least.
+  PROC AccLoaded(num nPercent)
+    VAR num nAcc;
+
+    nAcc:=nPercent*nPercent/100;
+    IF nAcc>nAccLoaded nAcc:=nAccLoaded;
+    IF nAcc<20 nAcc:=20;
+    AccSet nAcc,nAcc;
+  ENDPROC
 
   ! Releases and goes back by the way it came.
   PROC GiveUpPick()

@@ -9,7 +9,8 @@ use crate::{
 
 /// Picks in the order in which they are tried, and boxes that are left out before any motion is planned.
 pub(crate) struct Candidates {
-    pub order: Vec<Group>,
+    /// By layer, the highest first.
+    pub layers: Vec<Vec<Group>>,
     pub rejected: Vec<Rejection>,
 }
 
@@ -40,7 +41,7 @@ impl Candidates {
             ((at.xy() - place.coords.xy()).norm() * 1e3).round() as i64
         };
         // Layers from the highest top downwards; inside one the nearest to the place first.
-        let mut order = Vec::new();
+        let mut layers = Vec::new();
         while let Some(highest) = free.iter().map(|&i| top(i)).max_by(f64::total_cmp) {
             let (layer, rest): (Vec<usize>, Vec<usize>) =
                 free.iter().partition(|&&i| highest - top(i) <= tolerance);
@@ -58,11 +59,11 @@ impl Candidates {
             let mut again: Vec<Group> =
                 grouped.flat_map(|g| g.members.iter().map(single)).collect();
             again.sort_by_key(|group| (far_mm(group), group.members[0]));
-            order.extend(picks);
-            order.extend(again);
+            picks.extend(again);
+            layers.push(picks);
             free = rest;
         }
-        Self { order, rejected }
+        Self { layers, rejected }
     }
 }
 

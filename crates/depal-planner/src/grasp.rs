@@ -6,7 +6,7 @@ use crate::{
     group::{Face, Group},
     refusal::RejectReason,
     request::PlannerSettings,
-    suction::{holding_force, needed_at_rest},
+    suction::{Hold, needed_at_rest},
 };
 
 /// An edge of the gripper and one of the carton are flush when they are this close, m.
@@ -21,8 +21,8 @@ pub(crate) struct Grasp {
     pub box_from_tcp: Pose,
     /// From the tool centre to the middle of the top face, tool frame.
     pub tcp_offset: Vector,
-    /// Holding force at full vacuum on the carton that is held least, N.
-    pub force: f64,
+    /// How the carton hangs that is held least.
+    pub hold: Hold,
     /// The long side of the group lies across the tool's X.
     pub across: bool,
     /// Edge or corner of the gripper that is flush with the group, as in [`crate::PickPlan::edge_corner_id`].
@@ -31,7 +31,8 @@ pub(crate) struct Grasp {
     pub carried: PlacedShape,
 }
 
-/// All grasps, best first: more force, then less offset, then a fixed order.
+/// All grasps, best first: what bears more sideways acceleration (up to what arms do), then more force, then less offset,
+/// then a fixed order.
 pub(crate) fn grasps(
     gripper: &GripperSpec,
     group: &Group,
@@ -66,7 +67,7 @@ pub(crate) fn grasps(
                 Vector::new(half[0] * 2.0, half[1] * 2.0, height),
             );
             found.push(Grasp {
-                force: least_force(gripper, &sections, &tcp_offset, &faces),
+                hold: weakest_hold(gripper, &sections, &tcp_offset, &faces, height, settings),
                 edge_corner_id: edge_corner_id(gripper, &tcp_offset, half),
                 sections,
                 box_from_tcp,
@@ -82,14 +83,15 @@ pub(crate) fn grasps(
         });
     }
     let needed = needed_at_rest(settings);
-    let force = found.iter().map(|g| g.force).fold(0.0, f64::max);
-    found.retain(|g| g.force >= needed);
+    let force = found.iter().map(|g| g.hold.force).fold(0.0, f64::max);
+    found.retain(|g| g.hold.force >= needed);
     if found.is_empty() {
         return Err(RejectReason::TooLittleForce { force, needed });
     }
     let rank = |g: &Grasp| {
         (
-            -(g.force * 1e3).round() as i64,
+            -(g.hold.sideways(settings) * 10.0).round() as i64,
+            -(g.hold.force * 1e3).round() as i64,
             (g.tcp_offset.norm() * 1e3).round() as i64,
         )
     };
@@ -187,20 +189,28 @@ fn wholly_on(
         })
 }
 
-/// Holding force on the face that gets the least, N.
-fn least_force(
+/// Hold on the face that is held least.
+fn weakest_hold(
     gripper: &GripperSpec,
     sections: &[usize],
     tcp_offset: &Vector,
     faces: &[Face],
-) -> f64 {
-    let on_face = |face: &Face| {
-        let cups = gripper.cups.iter().filter(|cup| {
+    height: f64,
+    settings: &PlannerSettings,
+) -> Hold {
+    let holds = faces.iter().map(|face| {
+        let on_face = |cup: &&depal_gripper::CupSpec| {
             sections.contains(&cup.section) && is_on(cup.position, 0.0, tcp_offset, face)
-        });
-        holding_force(gripper, cups)
+        };
+        let cups: Vec<_> = gripper.cups.iter().filter(on_face).collect();
+        let middle = [0, 1].map(|k| tcp_offset[k] + face.middle[k]);
+        Hold::of(gripper, &cups, middle, height)
+    });
+    let weaker = |a: &Hold, b: &Hold| {
+        let [a_bears, b_bears] = [a, b].map(|hold| hold.sideways(settings));
+        a_bears.total_cmp(&b_bears).then(a.force.total_cmp(&b.force))
     };
-    faces.iter().map(on_face).fold(f64::INFINITY, f64::min)
+    holds.min_by(weaker).expect("a group has a face")
 }
 
 /// Which edge or corner of the suction field is flush with the group, whose half sides along the tool's axes are given.

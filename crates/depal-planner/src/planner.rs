@@ -48,17 +48,32 @@ pub fn plan_pick(request: &PlanRequest) -> Result<PickPlan, Refusal> {
         start_far: planner_start(request, &robot, &worlds)?,
     };
     let mut candidates = Candidates::choose(request);
-    for group in &candidates.order {
-        match planner.pick(group) {
-            Ok(mut plan) => {
-                plan.rejected = candidates.rejected;
-                return Ok(plan);
+    let rejection = |group: &Group, reason| Rejection {
+        box_index: group.members[0],
+        with: group.members[1..].to_vec(),
+        reason,
+    };
+    for layer in &candidates.layers {
+        // First what can be held as well as it can be: a neighbour that stands in the way may be gone by and by.
+        let mut passed = Vec::new();
+        for group in layer {
+            match planner.pick(group, Grasps::Best) {
+                Ok(mut plan) => {
+                    candidates.rejected.append(&mut passed);
+                    plan.rejected = candidates.rejected;
+                    return Ok(plan);
+                }
+                Err(reason) => passed.push(rejection(group, reason)),
             }
-            Err(reason) => candidates.rejected.push(Rejection {
-                box_index: group.members[0],
-                with: group.members[1..].to_vec(),
-                reason,
-            }),
+        }
+        for group in layer {
+            match planner.pick(group, Grasps::All) {
+                Ok(mut plan) => {
+                    plan.rejected = candidates.rejected;
+                    return Ok(plan);
+                }
+                Err(reason) => candidates.rejected.push(rejection(group, reason)),
+            }
         }
     }
     Err(Refusal::NothingFits(candidates.rejected))
@@ -94,6 +109,15 @@ struct Planner<'a> {
     robot: &'a Robot<'a>,
     worlds: &'a Worlds,
     start_far: bool,
+}
+
+/// Which grasps of a group are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Grasps {
+    /// The best one and those equally good.
+    Best,
+    /// All of them, and where all are blocked the search.
+    All,
 }
 
 /// One combination of grasp, joints at the pick and joints at the place.
@@ -161,33 +185,51 @@ impl Planner<'_> {
         Pose::from_parts(pose.translation, level)
     }
 
-    fn pick(&self, group: &Group) -> Result<PickPlan, RejectReason> {
+    fn pick(&self, group: &Group, which: Grasps) -> Result<PickPlan, RejectReason> {
         let settings = self.request.settings;
         let (mass, limit) = (load(group, settings), settings.max_load);
         if mass > limit {
             return Err(RejectReason::TooHeavy { mass, limit });
         }
         let grasps = grasps(self.request.gripper, group, settings)?;
+        let (low, high) = (self.lift_height(group), self.height_out(group));
         let mut notes = Notes::default();
         let mut tried = 0;
         let mut first: Vec<(&Grasp, Attempt)> = Vec::new();
         // Equally good grasps are mixed and sorted by time; worse ones come only when these lead nowhere.
-        for tier in grasps.chunk_by(equally_good) {
+        let most = match which {
+            Grasps::Best => 1,
+            Grasps::All => usize::MAX,
+        };
+        for tier in grasps.chunk_by(equally_good).take(most) {
             for attempt in self.attempts(group, tier, &mut notes) {
                 tried += 1;
                 let grasp = &tier[attempt.grasp];
-                if let Some(plan) = self.way(group, grasp, &attempt, false, &mut notes) {
-                    return self.sized(plan);
+                for lift in [low, high] {
+                    if let Some(plan) = self.way(group, grasp, &attempt, lift, false, &mut notes) {
+                        return self.sized(plan);
+                    }
+                    if high <= low {
+                        break;
+                    }
                 }
                 if first.len() < settings.search_attempts {
                     first.push((grasp, attempt));
                 }
             }
         }
+        if which == Grasps::Best && grasps.chunk_by(equally_good).count() > 1 {
+            return Err(notes.reason(tried));
+        }
         // No template is free: search for the first few.
         for (grasp, attempt) in &first {
-            if let Some(plan) = self.way(group, grasp, attempt, true, &mut notes) {
-                return self.sized(plan);
+            for lift in [low, high] {
+                if let Some(plan) = self.way(group, grasp, attempt, lift, true, &mut notes) {
+                    return self.sized(plan);
+                }
+                if high <= low {
+                    break;
+                }
             }
         }
         Err(notes.reason(tried))
@@ -278,12 +320,32 @@ impl Planner<'_> {
         neighbours + above - bottom
     }
 
+    /// The lift that brings the carton out of what it stands in: its bottom above all that is known within a hand's breadth
+    /// of its sides, the walls of a cage or container.
+    fn height_out(&self, group: &Group) -> f64 {
+        let settings = self.request.settings;
+        let target = &group.whole;
+        let pose = target.base_from_box;
+        let bottom = pose.translation.z - target.size.height;
+        let reach = 0.5 * target.size.length.hypot(target.size.width) + 0.15;
+        let rim = self
+            .worlds
+            .bare
+            .rim(&pose.translation.vector, reach)
+            .map_or(bottom, |rim| rim.max(bottom));
+        let above = settings
+            .lift_clearance
+            .max(settings.corner_zone + settings.transfer_padding + 0.005);
+        rim + above - bottom
+    }
+
     /// The whole way of one attempt; what hinders it is noted.
     fn way(
         &self,
         group: &Group,
         grasp: &Grasp,
         attempt: &Attempt,
+        lift: f64,
         search: bool,
         notes: &mut Notes,
     ) -> Option<PickPlan> {
@@ -309,9 +371,10 @@ impl Planner<'_> {
             }
             states
         };
-        let mut approach = line(&attempt.pick, settings.approach_height, Stage::Approach)?;
+        let rise = settings.approach_height.max(lift - self.lift_height(group));
+        let mut approach = line(&attempt.pick, rise, Stage::Approach)?;
         approach.reverse();
-        let lift = line(&attempt.pick, self.lift_height(group), Stage::Lift)?;
+        let lift = line(&attempt.pick, lift, Stage::Lift)?;
         let mut set_down = line(&attempt.place, settings.place_height, Stage::SetDown)?;
         set_down.reverse();
         let down = check(Stage::Approach, close, None, target);
@@ -446,7 +509,6 @@ impl Planner<'_> {
     ) -> PickPlan {
         let request = self.request;
         let (arm, settings) = (request.arm, request.settings);
-        let friction = request.gripper.vacuum.friction;
         let mut waypoints: Vec<Waypoint> = Vec::new();
         let mut moves: Vec<(Trapezoid, bool)> = Vec::new();
         let mut add =
@@ -475,7 +537,7 @@ impl Planner<'_> {
             add(&w[1], profile, Motion::Joint, 100.0, false);
         }
         add(&end(approach), line(approach), Motion::Linear, 100.0, true);
-        let straight = vertical_percent(grasp.force, friction, settings);
+        let straight = vertical_percent(&grasp.hold, settings);
         add(&end(lift), line(lift), Motion::Linear, straight, false);
         let carton_in_tcp = grasp.carried.pose.translation.vector;
         for w in back.windows(2) {
@@ -484,8 +546,7 @@ impl Planner<'_> {
                 &profile,
                 along(|q| self.tool(q), &w[0], &w[1]),
                 &carton_in_tcp,
-                grasp.force,
-                friction,
+                &grasp.hold,
                 settings,
             );
             add(&w[1], profile, Motion::Joint, percent, false);

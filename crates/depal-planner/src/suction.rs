@@ -25,6 +25,85 @@ pub(crate) fn holding_force<'a>(
     .sum()
 }
 
+/// How a carton hangs: what its sealed cups can do against pull, shear and tipping.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Hold {
+    /// Holding force at full vacuum, N.
+    pub force: f64,
+    /// Friction between lips and carton.
+    pub friction: f64,
+    /// Lever of the cups against tipping, m: a moment `M` loads the outermost cup as `M / lever` more weight would.
+    pub lever: f64,
+    /// From the middle of the cups to the middle of the face, m.
+    pub eccentricity: f64,
+    /// From the face down to the centre of mass, m.
+    pub depth: f64,
+}
+
+/// Lever of cups in a single row, m: only their lips keep the carton from swinging.
+const LEAST_LEVER: f64 = 0.01;
+/// More than any arm does with a load, m/s2: beyond it holds are equally good.
+const ENOUGH: f64 = 8.0;
+
+impl Hold {
+    /// The cups of one face, whose middle is at `middle` in the tool frame; the carton is `height` high.
+    pub fn of(gripper: &GripperSpec, cups: &[&CupSpec], middle: [f64; 2], height: f64) -> Self {
+        let count = cups.len().max(1) as f64;
+        let centre = [0, 1].map(|k| cups.iter().map(|c| c.position[k]).sum::<f64>() / count);
+        let lever = |k: usize| {
+            let away = || cups.iter().map(|c| (c.position[k] - centre[k]).abs());
+            let farthest = away().fold(0.0, f64::max);
+            if farthest < 1e-9 {
+                return LEAST_LEVER;
+            }
+            (away().map(|a| a * a).sum::<f64>() / (count * farthest)).max(LEAST_LEVER)
+        };
+        Self {
+            force: holding_force(gripper, cups.iter().copied()),
+            friction: gripper.vacuum.friction,
+            lever: lever(0).min(lever(1)),
+            eccentricity: (centre[0] - middle[0]).hypot(centre[1] - middle[1]),
+            depth: height * 0.5,
+        }
+    }
+
+    /// Largest share of this acceleration that the hold bears, up to 1.
+    ///
+    /// Lift: `S m (g + a_z) <= N`. Shear: `S m a_h <= mu (N - m (g + a_z))`. Tipping, with the lever `r` of the cups, the
+    /// depth `h` of the centre of mass and the eccentricity `e`: `S m ((g + a_z) (1 + e / r) + a_h h / r) <= N`,
+    /// which is the load of the outermost cup.
+    fn share(&self, acceleration: &Vector, settings: &PlannerSettings) -> f64 {
+        let (mass, safety) = (settings.max_carton_mass, settings.suction_safety);
+        let horizontal = acceleration.xy().norm();
+        let lean = 1.0 + self.eccentricity / self.lever;
+        let mut share: f64 = 1.0;
+        // All conditions are linear in the share: left * share <= right.
+        let mut limit = |left: f64, right: f64| {
+            if left > 0.0 {
+                share = share.min((right / left).max(0.0));
+            }
+        };
+        limit(
+            safety * mass * acceleration.z,
+            self.force - safety * mass * GRAVITY,
+        );
+        limit(
+            safety * mass * horizontal + self.friction * mass * acceleration.z,
+            self.friction * (self.force - mass * GRAVITY),
+        );
+        limit(
+            safety * mass * (acceleration.z * lean + horizontal * self.depth / self.lever),
+            self.force - safety * mass * GRAVITY * lean,
+        );
+        share
+    }
+
+    /// Horizontal acceleration that it bears, m/s2, no more than an arm ever asks for.
+    pub fn sideways(&self, settings: &PlannerSettings) -> f64 {
+        ENOUGH * self.share(&Vector::new(ENOUGH, 0.0, 0.0), settings)
+    }
+}
+
 /// Force needed to hold the assumed carton at rest, with the safety factor, N.
 pub(crate) fn needed_at_rest(settings: &PlannerSettings) -> f64 {
     settings.max_carton_mass * GRAVITY * settings.suction_safety
@@ -32,14 +111,12 @@ pub(crate) fn needed_at_rest(settings: &PlannerSettings) -> f64 {
 
 /// Velocity at which a loaded joint move keeps inside the suction limit, percent of the full one.
 ///
-/// Lift: `S m (g + a_z) <= N`. Shear: `S m a_h <= mu (N - m (g + a_z))`.
 /// The whole move is taken to be slowed in time: at a fraction `p` of the velocity the acceleration is `p^2` of the full one.
 pub(crate) fn loaded_percent(
     profile: &Trapezoid,
     base_from_tcp_at: impl Fn(f64) -> Pose,
     carton_in_tcp: &Vector,
-    force: f64,
-    friction: f64,
+    hold: &Hold,
     settings: &PlannerSettings,
 ) -> f64 {
     if profile.duration <= 0.0 {
@@ -54,42 +131,15 @@ pub(crate) fn loaded_percent(
     let mut fraction: f64 = 1.0;
     for at in points.windows(3) {
         let acceleration = (at[2] - at[1] * 2.0 + at[0]) / (step * step);
-        fraction = fraction.min(largest_fraction(&acceleration, force, friction, settings));
+        fraction = fraction.min(hold.share(&acceleration, settings).sqrt());
     }
     (fraction * 100.0).clamp(SLOWEST_PERCENT, 100.0)
 }
 
-/// Largest `p` for which `p^2` times this acceleration is held.
-fn largest_fraction(
-    acceleration: &Vector,
-    force: f64,
-    friction: f64,
-    settings: &PlannerSettings,
-) -> f64 {
-    let (mass, safety) = (settings.max_carton_mass, settings.suction_safety);
-    let horizontal = acceleration.xy().norm();
-    let mut square: f64 = 1.0;
-    // Both conditions are linear in p^2: left * p^2 <= right.
-    let mut limit = |left: f64, right: f64| {
-        if left > 0.0 {
-            square = square.min((right / left).max(0.0));
-        }
-    };
-    limit(
-        safety * mass * acceleration.z,
-        force - safety * mass * GRAVITY,
-    );
-    limit(
-        safety * mass * horizontal + friction * mass * acceleration.z,
-        friction * (force - mass * GRAVITY),
-    );
-    square.sqrt()
-}
-
 /// The same for a straight vertical move, whose acceleration is given.
-pub(crate) fn vertical_percent(force: f64, friction: f64, settings: &PlannerSettings) -> f64 {
+pub(crate) fn vertical_percent(hold: &Hold, settings: &PlannerSettings) -> f64 {
     let up = Vector::new(0.0, 0.0, settings.linear_acceleration);
-    let fraction = largest_fraction(&up, force, friction, settings);
+    let fraction = hold.share(&up, settings).sqrt();
     (fraction * 100.0).clamp(SLOWEST_PERCENT, 100.0)
 }
 

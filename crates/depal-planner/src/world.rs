@@ -160,6 +160,21 @@ impl World {
         Self { solids, tree }
     }
 
+    /// Highest point of what is known of the cell within `reach` metres of a place, seen from above; none if nothing is.
+    pub fn rim(&self, at: &Vector, reach: f64) -> Option<f64> {
+        let known = self.solids.iter().filter(|s| matches!(s.what, Obstacle::Known(_)));
+        let near = known.filter_map(|s| {
+            let around = s.shape.compute_aabb(&s.pose);
+            let beyond = |low: f32, high: f32, at: f64| {
+                (f64::from(low) - at).max(at - f64::from(high)).max(0.0)
+            };
+            let x = beyond(around.mins.x, around.maxs.x, at.x);
+            let y = beyond(around.mins.y, around.maxs.y, at.y);
+            (x.hypot(y) <= reach).then_some(f64::from(around.maxs.z))
+        });
+        near.reduce(f64::max)
+    }
+
     /// What a body at `pose` meets, the first in a fixed order.
     pub fn meets(&self, pose: &Pose32, shape: &SharedShape, without: &[usize]) -> Option<Obstacle> {
         let around = shape.compute_aabb(pose);
