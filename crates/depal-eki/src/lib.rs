@@ -40,6 +40,7 @@
 mod calls;
 mod channel;
 mod config;
+mod config_raw;
 mod config_reader;
 mod config_words;
 mod document;

@@ -54,13 +54,12 @@ fn with_module(body: &str, data: &str) -> Machine {
 /// Runs to the end, at most two minutes of simulated time.
 fn run(machine: &mut Machine, cabinet: &mut Cabinet) -> Step {
     for _ in 0..2_000_000 {
-        if cabinet.now.as_secs_f64() > 120.0 {
-            panic!(
-                "still running at {:?}: {:?}",
-                machine.location(),
-                cabinet.log
-            );
-        }
+        assert!(
+            cabinet.now.as_secs_f64() <= 120.0,
+            "still running at {:?}: {:?}",
+            machine.location(),
+            cabinet.log
+        );
         match machine.step(cabinet) {
             Step::Ran => cabinet.advance(SimDuration::from_micros(20)),
             Step::Blocked => cabinet.advance(TICK),

@@ -156,7 +156,7 @@ impl Cabinet {
                 self.is_closed = true;
                 return;
             }
-            self.answered.push(reply.status.map_or(0, |s| s.code()));
+            self.answered.push(reply.status.map_or(0, Status::code));
             let socket = SocketId(reply.connection.0 as u32);
             self.inbox.entry(socket).or_default().extend(reply.bytes);
         }
@@ -229,7 +229,7 @@ impl System for Cabinet {
 
     fn start_move(&mut self, request: &MoveRequest) -> Poll<Result<MoveId, Fault>> {
         if let MoveTarget::Joints(joints) = &request.target {
-            self.joints = joints.clone();
+            self.joints = *joints;
         }
         self.moves.push(request.clone());
         Poll::Ready(Ok(MoveId(self.moves.len() as u64)))
@@ -246,11 +246,11 @@ impl System for Cabinet {
     fn stop_motion(&mut self) {}
 
     fn joints(&self) -> JointPositions {
-        self.joints.clone()
+        self.joints
     }
 
     fn planned_joints(&self) -> JointPositions {
-        self.joints.clone()
+        self.joints
     }
 
     fn forward(&self, _: &JointPositions) -> Pose {
@@ -263,7 +263,7 @@ impl System for Cabinet {
                 message: "too far".into(),
             });
         }
-        Ok(near.clone())
+        Ok(*near)
     }
 
     fn socket_create(&mut self) -> SocketId {
@@ -303,9 +303,10 @@ impl System for Cabinet {
         }
         let inbox = self.inbox.entry(socket).or_default();
         if inbox.is_empty() {
-            return match self.is_closed {
-                true => Poll::Ready(Ok(Received::Closed)),
-                false => Poll::Pending,
+            return if self.is_closed {
+                Poll::Ready(Ok(Received::Closed))
+            } else {
+                Poll::Pending
             };
         }
         // In odd pieces, as a network may.
@@ -323,9 +324,10 @@ impl System for Cabinet {
     }
 
     fn socket_state(&self, socket: SocketId) -> SocketState {
-        match self.open.contains(&socket) {
-            true => SocketState::Connected,
-            false => SocketState::Closed,
+        if self.open.contains(&socket) {
+            SocketState::Connected
+        } else {
+            SocketState::Closed
         }
     }
 

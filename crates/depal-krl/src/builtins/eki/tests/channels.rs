@@ -236,7 +236,7 @@ fn what_is_wrong_with_a_channel_file_has_its_place() {
         "folder/Plc.xml",
         XML.replace("<PORT>5000</PORT>", "\n  <PORT>0</PORT>\n"),
     );
-    let loaded = crate::load(&files, &[], "main").with_channels(1, &[channel.clone()]);
+    let loaded = crate::load(&files, &[], "main").with_channels(1, std::slice::from_ref(&channel));
     assert!(loaded.has_errors());
     let all = [files[0].clone(), channel];
     let says: Vec<_> = loaded
