@@ -94,7 +94,7 @@ pub struct SignalFamily {
 
 impl SignalFamily {
     /// Whether a signal of this name belongs to the family.
-    fn has(&self, name: &str) -> bool {
+    pub fn has(&self, name: &str) -> bool {
         let number = name.strip_suffix(']').and_then(|rest| rest.split_once('['));
         let Some((family, number)) = number else {
             return false;

@@ -7,7 +7,7 @@ use depal_controller::{SignalFamily, SignalKind};
 pub enum Language {
     /// ABB RAPID: `.mod`, `.sys`, `.prg`, `.modx`, `.sysx`.
     Rapid,
-    /// KUKA KRL: `.src`, `.dat`, and `.xml` for an Ethernet channel.
+    /// KUKA KRL: `.src`, `.dat`, `.sub`, and `.xml` for an Ethernet channel.
     Krl,
     /// FANUC TP: `.ls`.
     Tp,
@@ -20,7 +20,7 @@ impl Language {
         let (_, extension) = name.rsplit_once('.')?;
         match extension.to_ascii_lowercase().as_str() {
             "mod" | "sys" | "prg" | "modx" | "sysx" => Some(Self::Rapid),
-            "src" | "dat" | "xml" => Some(Self::Krl),
+            "src" | "dat" | "sub" | "xml" => Some(Self::Krl),
             "ls" => Some(Self::Tp),
             _ => None,
         }

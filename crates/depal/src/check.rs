@@ -1,21 +1,18 @@
 //! `depal check`: everything that is wrong with a set of files, at once, without running them.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use depal_arm::Arm;
-use depal_controller::EioConfiguration;
-use depal_rapid::Loaded;
-use depal_scene::Scene;
-use depal_vm::{Program, Severity, SourceFile, sharing_conflicts};
+use depal_scene::{Language, Scene};
+use depal_vm::{Diagnostic, Program, Severity, SourceFile, sharing_conflicts};
 
+use crate::check_language::{self, is_channel, language_of};
 use crate::diagnostics::draw;
-use crate::exec::definition;
 use crate::failure::Failure;
 use crate::run::explain;
-use crate::task_folder::{
-    ControllerFiles, TaskFiles, extension, is_module, read_configuration, told,
-};
+use crate::task_folder::{ControllerFiles, TaskFiles, extension, read_configuration, told};
 
 /// Accelerations with which a bare URDF is checked, rad/s2; the value does not matter.
 const NOMINAL_ACCELERATION: f64 = 1.0;
@@ -56,11 +53,12 @@ impl Verdict {
     }
 }
 
-/// Checks every file; RAPID modules given together are one task, unless only their syntax is asked for.
+/// Checks every file; programs of one language given together are one task, unless only their syntax is asked for.
 pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Failure> {
     let mut verdicts = Vec::new();
     // One list for each task: the modules with their places among the verdicts.
     let mut tasks: Vec<Vec<(usize, &PathBuf)>> = Vec::new();
+    let mut others: BTreeMap<Language, Vec<(usize, &PathBuf)>> = BTreeMap::new();
     let mut controller = ControllerFiles::default();
     let found = TaskFiles::find(files, None)?;
     let plain = found.others.iter().chain(&found.configurations);
@@ -78,19 +76,27 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
             "urdf" => ("URDF", check_arm(path).map_err(of_file)),
             "cfg" => ("CFG", check_configuration(path, &mut controller)),
             "pgf" => ("PGF", Ok("good".to_owned())),
-            _ if is_module(path) => {
-                if tasks.len() <= task {
-                    tasks.resize(task + 1, Vec::new());
+            other => match language_of(path) {
+                Some(Language::Rapid) => {
+                    if tasks.len() <= task {
+                        tasks.resize(task + 1, Vec::new());
+                    }
+                    tasks[task].push((verdicts.len(), path));
+                    ("RAPID", Ok("good".to_owned()))
                 }
-                tasks[task].push((verdicts.len(), path));
-                ("RAPID", Ok("good".to_owned()))
-            }
-            other => (
-                "FILE",
-                Err(of_file(vec![format!(
-                    "{name}: no check for files of type {other:?}; expected .toml, .urdf, .cfg, .mod, .sys, .prg or .pgf"
-                )])),
-            ),
+                Some(language) => {
+                    let same = others.entry(language).or_default();
+                    same.push((verdicts.len(), path));
+                    (language.name(), Ok("good".to_owned()))
+                }
+                None => (
+                    "FILE",
+                    Err(of_file(vec![format!(
+                        "{name}: no check for files of type {other:?}; expected .toml, .urdf, .cfg, RAPID (.mod, .sys, \
+                         .prg, .modx, .sysx, .pgf), KRL (.src, .dat, .sub, or .xml of a channel) or TP (.ls)"
+                    )])),
+                ),
+            },
         };
         let (summary, findings) = match verdict {
             Ok(summary) => (summary, Vec::new()),
@@ -120,7 +126,9 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
     let signals = controller.has_io.then_some(&controller.io);
     let mut programs = Vec::new();
     for (index, modules) in tasks.iter().enumerate() {
-        let program = check_modules(modules, &mut verdicts, signals, syntax_only);
+        let program = check_programs(Language::Rapid, modules, &mut verdicts, |sources| {
+            check_language::check(Language::Rapid, sources, signals, syntax_only)
+        });
         let number = index
             .checked_sub(1)
             .map_or(0, |task| found.tasks[task].number);
@@ -134,6 +142,12 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
         .collect();
     for conflict in sharing_conflicts(&programs) {
         tell!("warning: {conflict}");
+    }
+    for (language, files) in &mut others {
+        files.sort_by_key(|(_, path)| is_channel(path));
+        check_programs(*language, files, &mut verdicts, |sources| {
+            check_language::check(*language, sources, signals, syntax_only)
+        });
     }
     verdicts.sort_by_key(|verdict| place(&verdict.path).unwrap_or(usize::MAX));
     let errors: usize = verdicts.iter().map(Verdict::errors).sum();
@@ -254,20 +268,19 @@ fn check_configuration(
     })
 }
 
-/// RAPID modules, as one task or each for itself, into the verdicts at the given places.
-/// With an I/O configuration a signal that it does not define is an error. The program, if it is good.
-fn check_modules(
-    modules: &[(usize, &PathBuf)],
+/// Robot programs of one language into the verdicts at the given places. The program, if it is good.
+fn check_programs(
+    language: Language,
+    files: &[(usize, &PathBuf)],
     verdicts: &mut [Verdict],
-    signals: Option<&EioConfiguration>,
-    syntax_only: bool,
+    check: impl Fn(&[SourceFile]) -> (Option<Arc<Program>>, Vec<Diagnostic>),
 ) -> Option<Arc<Program>> {
     let mut sources = Vec::new();
     let mut places = Vec::new();
-    for (place, path) in modules {
+    for (place, path) in files {
         match std::fs::read(path) {
             Ok(bytes) => {
-                let text = depal_rapid::decode(&bytes);
+                let text = check_language::decode(language, &bytes);
                 sources.push(SourceFile::new(path.to_string_lossy(), text));
                 places.push(*place);
             }
@@ -283,18 +296,7 @@ fn check_modules(
     if sources.is_empty() {
         return None;
     }
-    let loaded = if syntax_only {
-        Loaded {
-            program: None,
-            diagnostics: depal_rapid::check_syntax(&sources),
-        }
-    } else if let Some(io) = signals {
-        let known: Vec<_> = io.signals.iter().map(definition).collect();
-        depal_rapid::check_with_signals(&sources, &known)
-    } else {
-        depal_rapid::check(&sources)
-    };
-    let diagnostics = loaded.diagnostics;
+    let (program, diagnostics) = check(&sources);
     for diagnostic in &diagnostics {
         tell!("{}\n", draw(diagnostic, &sources));
         let span = diagnostic.primary.span;
@@ -308,11 +310,13 @@ fn check_modules(
             message: diagnostic.message.clone(),
         });
     }
-    if let Some(first) = diagnostics.first() {
+    if language == Language::Rapid
+        && let Some(first) = diagnostics.first()
+    {
         tell!(
             "`depal explain {}` tells more about the first message",
             first.code
         );
     }
-    loaded.program
+    program
 }

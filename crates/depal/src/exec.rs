@@ -10,32 +10,31 @@ use depal_arm::Arm;
 use depal_controller::{Controller, ControllerSpec, ControllerState, SignalKind, SignalSpec};
 use depal_frames::JointPositions;
 use depal_net::robot_sockets::HostPort;
-use depal_rapid::SignalDefinition;
+use depal_scene::Language;
 use depal_time::{SimDuration, SimTime, TICK};
-use depal_vm::Program;
+use depal_vm::execution::RobotTask;
 
 use crate::exec_network::ProgramNetwork;
 use crate::exec_output::{End, Output, Place};
+use crate::exec_tasks::{Tasks, language, load};
 use crate::failure::Failure;
 use crate::sandbox::Sandbox;
-use crate::task_folder::{ControllerFiles, TaskFiles, read};
-use crate::task_plan::plan;
+use crate::task_folder::read;
 
-/// Bits of a group signal that `--auto-signals` makes: as many as RAPID's num holds exactly.
-const AUTO_GROUP_BITS: u8 = 23;
 /// Joint accelerations of an arm from a bare URDF, which has none: rad/s^2, a common figure of large arms.
 const NOMINAL_ACCELERATION: f64 = 10.0;
 
 /// Arguments of `depal exec`.
 #[derive(Args)]
 pub struct ExecArgs {
-    /// Modules of one task (.mod, .sys, .prg, .modx, .sysx), in any order, a list of them (.pgf), configuration
-    /// files (.cfg), or a folder with all of these, as a controller backup is.
+    /// RAPID modules of one task (.mod, .sys, .prg, .modx, .sysx), in any order, a list of them (.pgf), configuration
+    /// files (.cfg), or a folder with all of these, as a controller backup is; or KRL files (.src, .dat); or TP
+    /// listings (.ls).
     #[arg(required = true, value_name = "PROGRAM")]
-    programs: Vec<PathBuf>,
+    pub(crate) programs: Vec<PathBuf>,
     /// I/O configuration of the controller: its signals and cross connections.
     #[arg(long, value_name = "EIO.cfg")]
-    io: Option<PathBuf>,
+    pub(crate) io: Option<PathBuf>,
     /// The arm: six revolute joints, flange at the link tool0. Without it every target is reachable.
     #[arg(long, value_name = "URDF", conflicts_with = "no_kinematics")]
     robot: Option<PathBuf>,
@@ -53,10 +52,11 @@ pub struct ExecArgs {
     json: bool,
     /// Make the signals that the program uses and nobody defined, with value 0.
     #[arg(long)]
-    auto_signals: bool,
-    /// The procedure to start, of the task that moves the robot. Default: that of the task in a SYS.cfg, else main.
+    pub(crate) auto_signals: bool,
+    /// The procedure to start, of the task that moves the robot. Default: that of the task in a SYS.cfg, else main; in
+    /// KRL and TP the program that has the name of the first file.
     #[arg(long, value_name = "PROC")]
-    entry: Option<String>,
+    pub(crate) entry: Option<String>,
     /// Folder of the program's files (HOME:): read at the start; what the program writes is written there at the end.
     /// Without it files live in memory only, and a backup's HOME folder is read but never written.
     #[arg(long, value_name = "DIR")]
@@ -70,13 +70,25 @@ pub struct ExecArgs {
     pub(crate) replay_sockets: Option<PathBuf>,
     /// Run only the task of this number of a controller backup (RAPID/TASKn). Default: all that its SYS.cfg names.
     #[arg(long, value_name = "N")]
-    task: Option<usize>,
+    pub(crate) task: Option<usize>,
     /// Send connections to the first address to the second. May be given many times.
     #[arg(long, value_name = "HOST:PORT=HOST:PORT", value_parser = route)]
     pub(crate) connect: Vec<(HostPort, HostPort)>,
     /// Set an input at a simulated time. May be given many times.
     #[arg(long, value_name = "NAME=VALUE@SECONDS", value_parser = input_change)]
     set_di: Vec<InputChange>,
+    /// Configuration of an Ethernet channel of a KRL program; its name is that of the file. May be given many times.
+    #[arg(long, value_name = "FILE.xml")]
+    pub(crate) eki: Vec<PathBuf>,
+    /// Value of a numeric register of a TP program at the start. May be given many times.
+    #[arg(long, value_name = "N=VALUE", value_parser = register)]
+    pub(crate) set_r: Vec<(u32, f64)>,
+    /// Print the numeric registers that a TP program wrote, one R[n]=value a line.
+    #[arg(long)]
+    pub(crate) print_registers: bool,
+    /// Let the vision calls of a TP program send the least significant byte first, as controllers of version 10 do.
+    #[arg(long)]
+    pub(crate) little_endian: bool,
     /// Answers to the operator's instructions, one a line, in order; lines that begin with # are passed over.
     #[arg(long, value_name = "FILE")]
     ui_answers: Option<PathBuf>,
@@ -104,6 +116,16 @@ fn route(text: &str) -> Result<(HostPort, HostPort), String> {
     Ok((host_port(from)?, host_port(to)?))
 }
 
+fn register(text: &str) -> Result<(u32, f64), String> {
+    let wrong = || format!("{text:?}: expected NUMBER=VALUE, as in 1=0");
+    let (number, value) = text.split_once('=').ok_or_else(wrong)?;
+    let number = number.trim().parse().map_err(|_| wrong())?;
+    if number == 0 {
+        return Err("registers are numbered from 1".to_owned());
+    }
+    Ok((number, value.trim().parse().map_err(|_| wrong())?))
+}
+
 fn input_change(text: &str) -> Result<InputChange, String> {
     let wrong = || format!("{text:?}: expected NAME=VALUE@SECONDS, as in di_start=1@2.5");
     let (name, rest) = text.split_once('=').ok_or_else(wrong)?;
@@ -122,8 +144,10 @@ fn input_change(text: &str) -> Result<InputChange, String> {
 /// Runs the program.
 pub fn exec(args: &ExecArgs) -> Result<(), Failure> {
     let begun = Instant::now();
-    let output = Output::open(args.json, args.trace.as_deref())?;
-    match prepare(args) {
+    let language = language(&args.programs)?;
+    let mut output = Output::open(args.json, args.trace.as_deref())?;
+    output.has_operator_lines = language == Language::Rapid;
+    match prepare(args, language) {
         Ok((controller, changes, sandbox)) => {
             run(args, controller, changes, &sandbox, output, begun)
         }
@@ -138,38 +162,11 @@ pub fn exec(args: &ExecArgs) -> Result<(), Failure> {
     }
 }
 
-/// A signal as programs are checked against it.
-pub fn definition(spec: &SignalSpec) -> SignalDefinition {
-    use depal_rapid::SignalKind as Rapid;
-    SignalDefinition {
-        name: spec.name.clone(),
-        kind: match spec.kind {
-            SignalKind::DigitalInput => Rapid::Di,
-            SignalKind::DigitalOutput => Rapid::Do,
-            SignalKind::GroupInput { .. } => Rapid::Gi,
-            SignalKind::GroupOutput { .. } => Rapid::Go,
-            SignalKind::AnalogInput => Rapid::Ai,
-            SignalKind::AnalogOutput => Rapid::Ao,
-        },
-    }
-}
-
-fn auto_signal(definition: &SignalDefinition) -> SignalSpec {
-    use depal_rapid::SignalKind as Rapid;
-    let bits = AUTO_GROUP_BITS;
-    let kind = match definition.kind {
-        Rapid::Di => SignalKind::DigitalInput,
-        Rapid::Do => SignalKind::DigitalOutput,
-        Rapid::Gi => SignalKind::GroupInput { bits },
-        Rapid::Go => SignalKind::GroupOutput { bits },
-        Rapid::Ai => SignalKind::AnalogInput,
-        Rapid::Ao => SignalKind::AnalogOutput,
-    };
-    SignalSpec::new(&definition.name, kind)
-}
-
 /// Everything that can be wrong before anything runs.
-fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), Failure> {
+fn prepare(
+    args: &ExecArgs,
+    language: Language,
+) -> Result<(Controller, Vec<InputChange>, Sandbox), Failure> {
     if let Some(limit) = args.max_sim_s
         && !(limit > 0.0 && limit <= 1e9)
     {
@@ -177,36 +174,12 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), F
             "--max-sim-s is {limit}, expected seconds above 0"
         )));
     }
-    let mut files = TaskFiles::find(&args.programs, args.task)?;
-    if let Some(other) = files.others.first() {
-        return Err(Failure::Input(format!(
-            "{}: expected a module (.mod, .sys, .prg, .modx, .sysx), a program list (.pgf), a configuration (.cfg) or a folder",
-            other.display()
-        )));
-    }
-    files.configurations.extend(args.io.clone());
-    let ControllerFiles { mut io, system, .. } = ControllerFiles::read(&files.configurations)?;
-    let mut plans = plan(&files, &system, args.task)?;
-    if let (Some(entry), Some(first)) = (&args.entry, plans.first_mut()) {
-        first.entry.clone_from(entry);
-    }
-    let mut programs = Vec::new();
-    let mut problems = 0;
-    for plan in &plans {
-        let known: Vec<_> = io.signals.iter().map(definition).collect();
-        let (loaded, added) = plan.load(&system, &known, args.auto_signals);
-        io.signals.extend(added.iter().map(auto_signal));
-        plan.tell(&loaded);
-        match loaded.program {
-            Some(program) => programs.push(with_retry_limit(program, system.retry_limit)),
-            None => problems += loaded.diagnostics.len(),
-        }
-    }
-    if problems > 0 {
-        return Err(Failure::Input(format!(
-            "the program was not started: {problems} problem(s) found"
-        )));
-    }
+    let Tasks {
+        tasks,
+        mut io,
+        families,
+        home,
+    } = load(args, language)?;
     let mut changes = args.set_di.clone();
     changes.sort_by_key(|change| change.at);
     if args.auto_signals {
@@ -223,7 +196,10 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), F
             .signals
             .iter()
             .find(|s| s.name.eq_ignore_ascii_case(&change.name));
-        if found.is_none_or(|signal| !signal.kind.is_input()) {
+        let is_numbered = families
+            .iter()
+            .any(|family| family.kind.is_input() && family.has(&change.name));
+        if !is_numbered && found.is_none_or(|signal| !signal.kind.is_input()) {
             return Err(Failure::Input(format!(
                 "--set-di {}: there is no such input; define it in the file of --io",
                 change.name
@@ -238,12 +214,13 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), F
             .map(str::to_owned)
             .collect(),
     };
-    let sandbox = Sandbox::read(args.home.as_deref(), &files.home)?;
+    let sandbox = Sandbox::read(args.home.as_deref(), &home)?;
     let invalid = |error: depal_controller::ControllerError| Failure::Input(error.to_string());
     let mut controller = match &args.robot {
         None => {
             let mut spec = ControllerSpec::without_arm("ROB_1");
             spec.signals = io.signals;
+            spec.families = families;
             spec.connections = io.connections;
             spec.answers = answers;
             spec.files = sandbox.files().clone();
@@ -261,27 +238,17 @@ fn prepare(args: &ExecArgs) -> Result<(Controller, Vec<InputChange>, Sandbox), F
             let start = JointPositions::from_slice(&start);
             let mut spec = ControllerSpec::new("ROB_1", Arc::new(arm), start);
             spec.signals = io.signals;
+            spec.families = families;
             spec.connections = io.connections;
             spec.answers = answers;
             spec.files = sandbox.files().clone();
             Controller::new(spec).map_err(invalid)?
         }
     };
-    for (plan, program) in plans.iter().zip(programs) {
-        let machine = plan.machine(program);
-        controller.add_task(plan.role.clone(), Box::new(machine));
+    for (role, machine) in tasks {
+        controller.add_task(role, Box::new(machine));
     }
     Ok((controller, changes, sandbox))
-}
-
-/// The program with the number of retries that the controller is configured for.
-fn with_retry_limit(program: Arc<Program>, limit: Option<u32>) -> Arc<Program> {
-    let Some(limit) = limit else {
-        return program;
-    };
-    let mut program = Arc::unwrap_or_clone(program);
-    program.rules.retry_limit = limit;
-    Arc::new(program)
 }
 
 fn run(
@@ -331,6 +298,10 @@ fn run(
     };
     network.close(args)?;
     sandbox.write(controller.files())?;
+    if args.print_registers {
+        let memory = controller.tasks().find_map(RobotTask::memory);
+        output.registers = memory.map(depal_tp::written_registers);
+    }
     output.finish(&end, now, begun.elapsed())?;
     match end {
         End::Failed(_) => Err(Failure::Told(1)),

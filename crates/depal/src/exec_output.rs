@@ -61,6 +61,10 @@ pub struct Output {
     trace: Option<BufWriter<File>>,
     lines: Vec<String>,
     moves: u64,
+    /// Whether the language has lines for the operator that belong on stdout: RAPID alone.
+    pub has_operator_lines: bool,
+    /// Numeric registers to be shown at the end.
+    pub registers: Option<Vec<(u32, f64)>>,
 }
 
 impl Output {
@@ -77,6 +81,8 @@ impl Output {
             trace,
             lines: Vec::new(),
             moves: 0,
+            has_operator_lines: true,
+            registers: None,
         })
     }
 
@@ -87,7 +93,7 @@ impl Output {
                 kind: LogKind::Operator,
                 text,
                 ..
-            } => {
+            } if self.has_operator_lines => {
                 let line = text.replace(['\n', '\r'], " ");
                 if self.json {
                     self.lines.push(line);
@@ -142,19 +148,28 @@ impl Output {
         };
         if self.json {
             say!("{}", self.summary(word, now, wall, &error));
+        } else {
+            for (number, value) in self.registers.iter().flatten() {
+                say!("R[{number}]={}", depal_tp::decimal(*value));
+            }
         }
         Ok(())
     }
 
     fn summary(&self, end: &str, now: SimTime, wall: Duration, error: &Json) -> Json {
-        json!({
+        let mut summary = json!({
             "end": end,
             "sim_time_s": now.as_secs_f64(),
             "wall_time_s": wall.as_secs_f64(),
             "moves": self.moves,
             "tpwrite": self.lines,
             "error": error,
-        })
+        });
+        if let Some(registers) = &self.registers {
+            let named = |(number, value): &(u32, f64)| (format!("R[{number}]"), json!(value));
+            summary["registers"] = registers.iter().map(named).collect();
+        }
+        summary
     }
 }
 

@@ -6,11 +6,13 @@
 mod speak;
 
 mod check;
+mod check_language;
 mod detect;
 mod diagnostics;
 mod exec;
 mod exec_network;
 mod exec_output;
+mod exec_tasks;
 mod explain;
 mod failure;
 mod image_file;
