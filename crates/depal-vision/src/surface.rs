@@ -314,6 +314,7 @@ impl Surface {
             &settings.sizes,
             &fixed,
             &labels,
+            image,
         ) else {
             if boxes.is_empty() {
                 rejected.push(self.rejected(RejectReason::NoKnownSize));
