@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use crate::capture::{Capture, NOTHING};
 use crate::light::{KEEP_BITS, LightScratch, Lighting, LitRows, run_length, sigma_of};
 use crate::noise::{
-    Counter, LatticeRows, RowBits, SmoothNoise, add_steps, nearest_integer, nearest_integer_f32, normal, step_thresholds,
+    Counter, LatticeRows, RowBits, SmoothNoise, add_steps, nearest_integer, nearest_integer_f32,
+    normal, step_thresholds,
 };
 use crate::raster::EMPTY;
 use crate::{CameraSpec, Rendering};

@@ -42,9 +42,6 @@ const WIDE_GAP_CELLS: f64 = 2.2;
 const LEAST_LINE: f64 = 0.6;
 /// A reading of whose inner sides so many show a seam needs no other proof.
 const MOST_SEAMS: f64 = 0.7;
-/// Where the plane tolerance is wider than this, no gap can be seen: then two cartons of a known size
-/// that cover a surface exactly are believed, metres.
-const COARSE: f64 = 0.010;
 
 /// What covers a surface.
 pub struct Arrangement {
@@ -118,9 +115,8 @@ pub fn arrange(
     // Lines in the intensity image are seams as well.
     let mut lined: Vec<(Candidate, [f64; 4])> = Vec::new();
     for b in readings.iter_mut().flatten() {
-        let same = |known: &&(Candidate, [f64; 4])| {
-            known.0.first == b.first && known.0.cells == b.cells
-        };
+        let same =
+            |known: &&(Candidate, [f64; 4])| known.0.first == b.first && known.0.cells == b.cells;
         let dark = match lined.iter().find(same) {
             Some(known) => known.1,
             None => {
@@ -161,15 +157,10 @@ pub fn arrange(
     // narrow that others may well be invisible.
     let islands = islands(&best, patch.pitch);
     let narrow = widest_gap(patch, &best) < WIDE_GAP.max(WIDE_GAP_CELLS * patch.pitch);
-    let least_without_seam = if tolerance > COARSE {
-        2
-    } else {
-        LEAST_WITHOUT_SEAM
-    };
     let believable = |b: usize| {
         let together = islands.iter().filter(|&&i| i == islands[b]).count();
         together == 1
-            || narrow && best.len() >= least_without_seam
+            || narrow && best.len() >= LEAST_WITHOUT_SEAM
             || fixed.iter().any(|f| f.label == best[b].label)
             || beside.contains(&best[b].label)
     };

@@ -20,10 +20,9 @@ pub fn dark_sides(patch: &Patch, image: &DepthImage, candidate: &Candidate) -> [
     let first = candidate.first.map(|c| c as f64);
     let cells = candidate.cells.map(|c| c as f64);
     let grey = |x: f64, y: f64| {
-        let p = patch.frame.point(
-            patch.left + x * patch.pitch,
-            patch.bottom + y * patch.pitch,
-        );
+        let p = patch
+            .frame
+            .point(patch.left + x * patch.pitch, patch.bottom + y * patch.pitch);
         let (u, v) = image.intrinsics.project(&p);
         let (u, v) = (u + 0.5, v + 0.5);
         let inside = u >= 0.0 && v >= 0.0 && u < image.width as f64 && v < image.height as f64;
@@ -33,7 +32,8 @@ pub fn dark_sides(patch: &Patch, image: &DepthImage, candidate: &Candidate) -> [
         let (axis, across) = (side / 2, 1 - side / 2);
         let at = first[axis] + if side % 2 == 0 { 0.0 } else { cells[axis] };
         let place = |off: f64, n: usize| {
-            let along = first[across] + cells[across] * (0.05 + 0.9 * (n as f64 + 0.5) / SAMPLES as f64);
+            let along =
+                first[across] + cells[across] * (0.05 + 0.9 * (n as f64 + 0.5) / SAMPLES as f64);
             if axis == 0 {
                 (at + off, along)
             } else {

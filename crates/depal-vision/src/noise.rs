@@ -14,6 +14,8 @@ const SIGMAS: f64 = 6.0;
 /// No carton can be told from its neighbourhood by steps beyond this, metres.
 const MOST: f64 = 0.020;
 
+/// A side between two smeared steps is uncertain by so much, metres.
+const SMEARED_SIZE: f64 = 0.015;
 /// Distances at which depths are compared, pixels: neighbours, and beyond what correlated noise spans.
 const LAGS: [usize; 2] = [1, 8];
 
@@ -45,6 +47,9 @@ impl VisionSettings {
     /// it smears steps; never less than now.
     pub fn suited_to(mut self, frame: &DepthFrame) -> Self {
         self.smear_px = self.smear_px.max(smear_of(frame));
+        if self.smear_px > 0 {
+            self.size_tolerance = self.size_tolerance.max(SMEARED_SIZE);
+        }
         let sigma = LAGS.iter().filter_map(|&lag| deviation(frame, lag));
         if let Some(sigma) = sigma.reduce(f64::max) {
             let noise = (SIGMAS * sigma).min(MOST);

@@ -51,7 +51,7 @@ pub fn smear_of(frame: &DepthFrame) -> usize {
 pub fn sharpened(depth: &[f32], width: usize, smear: usize, noise: f32) -> Vec<f32> {
     let height = depth.len() / width.max(1);
     // Far enough to see both sides from anywhere on the step.
-    let reach = (smear * 3 / 4 + 2).min(REACH + 4);
+    let reach = (smear + 3).clamp(REACH, REACH + 4);
     let (low, high) = (
         extremes(depth, width, height, reach, |a, b| a < b),
         extremes(depth, width, height, reach, |a, b| a > b),
@@ -66,7 +66,6 @@ pub fn sharpened(depth: &[f32], width: usize, smear: usize, noise: f32) -> Vec<f
                 continue;
             }
             // Mean of what lies on either side, away from the step itself.
-            let side = (0.1 * (high - low)).max(noise);
             let (mut near, mut far) = ((0.0f32, 0.0f32), (0.0f32, 0.0f32));
             for y in (v.saturating_sub(reach)..=(v + reach).min(height - 1)).step_by(stride) {
                 for x in (u.saturating_sub(reach)..=(u + reach).min(width - 1)).step_by(stride) {
@@ -74,9 +73,9 @@ pub fn sharpened(depth: &[f32], width: usize, smear: usize, noise: f32) -> Vec<f
                     if here == 0.0 {
                         continue;
                     }
-                    if here < low + side {
+                    if here < low + 2.0 * noise {
                         near = (near.0 + here, near.1 + 1.0);
-                    } else if here > high - side {
+                    } else if here > high - 2.0 * noise {
                         far = (far.0 + here, far.1 + 1.0);
                     }
                 }
@@ -86,7 +85,9 @@ pub fn sharpened(depth: &[f32], width: usize, smear: usize, noise: f32) -> Vec<f
             }
             let (near, far) = (near.0 / near.1, far.0 / far.1);
             let side = if z < 0.5 * (near + far) { near } else { far };
-            out[i] = z.clamp(side - noise, side + noise);
+            if (z - side).abs() > 1.5 * noise {
+                out[i] = side;
+            }
         }
     }
     out
