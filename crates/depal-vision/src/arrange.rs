@@ -117,13 +117,12 @@ pub fn arrange(
     for b in readings.iter_mut().flatten() {
         let same =
             |known: &&(Candidate, [f64; 4])| known.0.first == b.first && known.0.cells == b.cells;
-        let dark = match lined.iter().find(same) {
-            Some(known) => known.1,
-            None => {
-                let dark = dark_sides(patch, image, b);
-                lined.push((*b, dark));
-                dark
-            }
+        let dark = if let Some(known) = lined.iter().find(same) {
+            known.1
+        } else {
+            let dark = dark_sides(patch, image, b);
+            lined.push((*b, dark));
+            dark
         };
         for (side, dark) in b.sides.iter_mut().zip(dark) {
             if dark >= LEAST_LINE {

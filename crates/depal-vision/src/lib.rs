@@ -54,6 +54,14 @@
 //! - Measured sides along the pixel grid are uncertain by one to two pixels, others by less than one.
 //! - The known sizes must differ by more than the size tolerance plus two pixels.
 
+// The loops over pixels are compiled once for each instruction set: all that they call must be inlined
+// into them, and what they decide must be decided without a jump.
+#![allow(
+    clippy::inline_always,
+    clippy::manual_range_contains,
+    clippy::needless_bitwise_bool
+)]
+
 mod arrange;
 pub mod calibration;
 mod components;

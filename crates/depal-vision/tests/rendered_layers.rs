@@ -138,12 +138,12 @@ fn dark_lines_in_the_intensity_image_tell_level_cartons_apart() {
     let at = looking_down(TOP + 2.0);
     let (mut with, mut without) = (Score::default(), Score::default());
     for seed in 0..3 {
-        let mut cartons = layer(Layout::Regular, 0.0, TOP, seed);
+        let mut cartons = layer(Layout::Pinwheel, 0.0, TOP, seed);
         for carton in &mut cartons {
             carton.top = TOP;
         }
         let mut frame = picture(&spec, &at, &stacked(&cartons, TOP), seed);
-        let settings = VisionSettings::new(Layout::Regular.sizes());
+        let settings = VisionSettings::new(Layout::Pinwheel.sizes());
         without.add(&at, &cartons, &detect(&frame, &settings).boxes);
         for carton in &cartons {
             draw_outline(&mut frame, &at, carton);
@@ -151,7 +151,7 @@ fn dark_lines_in_the_intensity_image_tell_level_cartons_apart() {
         with.add(&at, &cartons, &detect(&frame, &settings).boxes);
     }
     assert_eq!(with.false_positives + without.false_positives, 0);
-    assert!(without.found * 4 <= without.wanted, "{}", without.line());
+    assert!(without.found * 2 < without.wanted, "{}", without.line());
     assert!(with.found * 10 >= with.wanted * 9, "{}", with.line());
 }
 
