@@ -3,6 +3,8 @@
 use depal_frames::BoxSize;
 
 use crate::{
+    gate::DepthImage,
+    ink::dark_sides,
     patch::{BLOCK, Patch},
     relief::Relief,
     search::{Candidate, climb, extents, has_seam, measure},
@@ -36,6 +38,11 @@ const WIDE_GAP: f64 = 0.0035;
 /// The same in cells: one for a gap that fills a pixel, 0.4 lost at each rim, and noise.
 const WIDE_GAP_CELLS: f64 = 2.2;
 
+/// Share of dark line from which on it is one.
+const LEAST_LINE: f64 = 0.6;
+/// A reading of whose inner sides so many show a seam needs no other proof.
+const MOST_SEAMS: f64 = 0.7;
+
 /// What covers a surface.
 pub struct Arrangement {
     /// The new boxes (those given as fixed are not repeated).
@@ -54,6 +61,7 @@ pub fn arrange(
     sizes: &[BoxSize],
     fixed: &[Candidate],
     beside: &[u32],
+    image: &DepthImage,
 ) -> Option<Arrangement> {
     let (bx, by) = (patch.columns / BLOCK, patch.rows / BLOCK);
     let mut blocks = Vec::new();
@@ -96,7 +104,7 @@ pub fn arrange(
     } else {
         CLEAR_LEAD
     };
-    let unique = !level || search.readings.len() == 1;
+    let mut unique = !level || search.readings.len() == 1;
     let mut readings: Vec<Vec<Candidate>> = search
         .readings
         .into_iter()
@@ -104,8 +112,27 @@ pub fn arrange(
         .map(|(_, r)| r[fixed.len()..].to_vec())
         .filter(|r| !r.is_empty())
         .collect();
+    // Lines in the intensity image are seams as well.
+    let mut lined: Vec<(Candidate, [f64; 4])> = Vec::new();
+    for b in readings.iter_mut().flatten() {
+        let same =
+            |known: &&(Candidate, [f64; 4])| known.0.first == b.first && known.0.cells == b.cells;
+        let dark = if let Some(known) = lined.iter().find(same) {
+            known.1
+        } else {
+            let dark = dark_sides(patch, image, b);
+            lined.push((*b, dark));
+            dark
+        };
+        for (side, dark) in b.sides.iter_mut().zip(dark) {
+            if dark >= LEAST_LINE {
+                *side = side.max(dark);
+            }
+        }
+    }
     readings.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
     let best = readings.first()?.clone();
+    unique |= seams_seen(&best, patch.pitch) >= MOST_SEAMS;
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
         .filter(|r| merit(r) > merit(&best) - lead && !same(&best, r))
@@ -171,6 +198,21 @@ fn alike(a: &Candidate, b: &Candidate) -> bool {
 
 fn same(a: &[Candidate], b: &[Candidate]) -> bool {
     a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| alike(x, y)))
+}
+
+/// Share of the sides between two boxes that show a seam; 0 where no two touch.
+fn seams_seen(boxes: &[Candidate], pitch: f64) -> f64 {
+    let (mut inner, mut seen) = (0, 0);
+    for a in boxes {
+        for side in 0..4 {
+            let meets = |b: &Candidate| b.first != a.first && touches(a, b, side, pitch);
+            if boxes.iter().any(meets) {
+                inner += 1;
+                seen += usize::from(a.sides[side] >= LEAST_LINE);
+            }
+        }
+    }
+    seen as f64 / f64::from(inner.max(1))
 }
 
 /// The widest measured gap between two neighbours, metres; 0 when no two have a seam seen.

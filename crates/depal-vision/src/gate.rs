@@ -2,10 +2,13 @@
 
 use depal_frames::{DepthFrame, Intrinsics, Point};
 
-use crate::{RegionOfInterest, VisionSettings};
+use crate::{RegionOfInterest, VisionSettings, smear::sharpened};
 
 /// Depths beyond this are no measurement of any depth camera for cartons.
 const LARGEST_DEPTH: f32 = 60.0;
+
+/// Steps narrower than this are left as they are, pixels.
+const LEAST_SMEAR: usize = 5;
 
 /// A checked depth image.
 pub struct DepthImage<'a> {
@@ -14,6 +17,8 @@ pub struct DepthImage<'a> {
     pub height: usize,
     /// Metres; 0 = invalid. Never NaN or negative.
     pub depth: &'a [f32],
+    /// Grey values; empty without an intensity image of the same size.
+    pub intensity: &'a [u8],
     /// 1 where the pixel is valid, in the depth range and in the region.
     pub in_region: Vec<u8>,
     pub window: Window,
@@ -56,7 +61,8 @@ pub fn gate<'a>(
             }
         }
     });
-    let depth = if odd == 0 {
+    let smeared = settings.smear_px >= LEAST_SMEAR;
+    let depth = if odd == 0 && !smeared {
         &frame.depth
     } else {
         cleaned.extend(
@@ -65,8 +71,12 @@ pub fn gate<'a>(
                 .iter()
                 .map(|&z| if z > 0.0 && z < LARGEST_DEPTH { z } else { 0.0 }),
         );
+        if smeared {
+            let noise = 0.5 * settings.plane_tolerance as f32;
+            *cleaned = sharpened(cleaned, width, settings.smear_px, noise.max(0.0));
+        }
         for (inside, &z) in in_region.iter_mut().zip(cleaned.iter()) {
-            *inside &= u8::from(z > 0.0);
+            *inside = u8::from(z >= near && z <= far);
         }
         cleaned
     };
@@ -87,6 +97,11 @@ pub fn gate<'a>(
         width,
         height,
         depth,
+        intensity: if frame.intensity.len() == pixels {
+            &frame.intensity
+        } else {
+            &[]
+        },
         in_region,
         window,
         points_in_region,

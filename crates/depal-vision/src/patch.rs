@@ -58,6 +58,8 @@ pub struct Patch {
     pub bottom: f64,
     pub columns: usize,
     pub rows: usize,
+    /// Cells along a carton's sides that say nothing of its inside.
+    pub rim: usize,
     /// Surface cells of all cells below and left.
     area: Vec<u32>,
     /// Deep cells of all cells below and left, in squares of [`COARSE`] cells.
@@ -77,6 +79,8 @@ pub struct Grid {
     pub x: [f64; 2],
     pub y: [f64; 2],
     pub pitch: f64,
+    /// Cells along a carton's sides that say nothing of its inside.
+    pub rim: usize,
 }
 
 /// One row of cells: where they lie in the image, then what is there.
@@ -291,7 +295,13 @@ impl Patch {
 
     #[inline(always)]
     fn resample(image: &DepthImage, grid: &Grid, blanks: &[Blank], tolerance: f64) -> Self {
-        let Grid { frame, x, y, pitch } = *grid;
+        let Grid {
+            frame,
+            x,
+            y,
+            pitch,
+            rim,
+        } = *grid;
         let columns = ((x[1] - x[0]) / pitch).ceil().max(1.0) as usize;
         let rows = ((y[1] - y[0]) / pitch).ceil().max(1.0) as usize;
         // Two cells of margin all round.
@@ -380,6 +390,7 @@ impl Patch {
             bottom: y[0],
             columns,
             rows,
+            rim,
             area,
             deep,
             vertical,

@@ -97,10 +97,18 @@ pub fn measure(
         return None;
     }
     let sides = [0, 1, 2, 3].map(|side| side_edge(patch, first, cells, side, 0));
-    let (left, right) = (i0 as isize + 3, i1 as isize - 3);
-    let (low, high) = (j0 as isize + 3, j1 as isize - 3);
+    let rim = patch.rim as isize;
+    let (left, right) = (i0 as isize + rim, i1 as isize - rim);
+    let (low, high) = (j0 as isize + rim, j1 as isize - rim);
     let on = patch.surface(left, low, right, high);
-    if on < min_visible || patch.deep(i0 + 3, j0 + 3, i1 - 3, j1 - 3) > 0.01 {
+    if on < min_visible
+        || patch.deep(
+            i0 + patch.rim,
+            j0 + patch.rim,
+            i1 - patch.rim,
+            j1 - patch.rim,
+        ) > 0.01
+    {
         return None;
     }
     // Just inside each side there must be surface: this pins the rectangle to the outline.

@@ -50,6 +50,8 @@ pub struct VisionSettings {
     pub min_visible: f64,
     /// A flat surface with a longer side is background and not searched: larger than any layer.
     pub max_surface_side: f64,
+    /// Over how many pixels the camera smears depth steps; 0 for one that does not.
+    pub smear_px: usize,
     /// Edge of the cubes in which unexplained points are gathered as obstacles.
     pub obstacle_voxel: f64,
 }
@@ -68,6 +70,7 @@ impl VisionSettings {
             max_tilt: 15f64.to_radians(),
             min_visible: 0.7,
             max_surface_side: 2.0,
+            smear_px: 0,
             obstacle_voxel: 0.025,
         }
     }

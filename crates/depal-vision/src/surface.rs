@@ -189,11 +189,14 @@ impl Surface {
     ) -> Result<Patch, RejectedSurface> {
         let bounds = self.bounds(mask, image, settings)?;
         let frame = self.frame.turned(bounds.yaw);
+        let pitch = pixel_pitch(&self.frame, &image.intrinsics);
+        let margin = margin(settings, pitch);
         let grid = Grid {
             frame,
-            x: [bounds.x[0] - MARGIN, bounds.x[1] + MARGIN],
-            y: [bounds.y[0] - MARGIN, bounds.y[1] + MARGIN],
-            pitch: pixel_pitch(&self.frame, &image.intrinsics),
+            x: [bounds.x[0] - margin, bounds.x[1] + margin],
+            y: [bounds.y[0] - margin, bounds.y[1] + margin],
+            pitch,
+            rim: 3 + settings.smear_px.min(20) / 3,
         };
         let blanks: Vec<Blank> = found.iter().map(|b| blank(b, &frame)).collect();
         Ok(Patch::new(image, &grid, &blanks, settings.plane_tolerance))
@@ -273,7 +276,8 @@ impl Surface {
         settings: &VisionSettings,
     ) -> Result<DetectedBox, RejectedSurface> {
         let patch = self.patch(mask, image, settings, &[])?;
-        measure_whole(&patch, image, settings, self.area, MARGIN)
+        let margin = margin(settings, patch.pitch);
+        measure_whole(&patch, image, settings, self.area, margin)
     }
 
     /// Boxes whose outline can be seen, and those that follow from covering the rest. `beside`: those
@@ -314,6 +318,7 @@ impl Surface {
             &settings.sizes,
             &fixed,
             &labels,
+            image,
         ) else {
             if boxes.is_empty() {
                 rejected.push(self.rejected(RejectReason::NoKnownSize));
@@ -365,6 +370,11 @@ impl Surface {
         }
         boxes
     }
+}
+
+/// How far a patch reaches beyond its surface, which ends early where steps are smeared, metres.
+fn margin(settings: &VisionSettings, pitch: f64) -> f64 {
+    MARGIN + settings.smear_px.min(30) as f64 * pitch
 }
 
 /// True when no line of more than a few holes runs through the rectangle of a piece's mask (`range`

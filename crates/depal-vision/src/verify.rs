@@ -114,7 +114,9 @@ fn check(
         return Err(RejectReason::NoKnownSize);
     }
 
-    let seen = look(image, &fit.frame, extents, tolerance, 0.006);
+    // Where steps were smeared, the outermost pixels are guesses.
+    let rim = 0.4 * settings.smear_px as f64 * pitch;
+    let seen = look(image, &fit.frame, extents, tolerance, 0.006 + rim);
     if seen.share(Class::Deep) > 0.01 || seen.share(Class::On) < settings.min_visible {
         return Err(RejectReason::NoKnownSize);
     }
