@@ -1,5 +1,8 @@
 //! The ladder.
 
+use std::collections::VecDeque;
+
+use depal_arm::Arm;
 use depal_frames::{JointPositions, Pose, Vector};
 use depal_time::{RandomStream, RandomStreams};
 
@@ -28,8 +31,12 @@ const HEIGHTS_M: [f64; 6] = [0.1, 0.2, 0.35, 0.55, 0.8, 1.1];
 const TURNED: [f64; 3] = [0.25, 0.5, 0.75];
 /// A way that takes this much longer than the bound is a long way round.
 const LONG: f64 = 1.25;
-/// Other ways looked for then ...
-const OTHER_WAYS: usize = 4;
+/// One that takes only this much longer ends the looking for others.
+const SHORT: f64 = 1.12;
+/// Other raised ways tried then ...
+const OTHER_RAISED: usize = 3;
+/// ... and ways searched for, ...
+const OTHER_WAYS: usize = 12;
 /// ... each with at most so many states checked.
 const OTHER_CHECKS: usize = 6000;
 /// Effort of bending: the first way, each other one, and the best of them once more.
@@ -288,6 +295,7 @@ fn plan_to(
     goal: &JointPositions,
     most_checks: usize,
 ) -> Result<TransferPlan, String> {
+    let arm = scene.arm;
     let mut failed = String::new();
     let mut rounds = 0;
     let usable: Vec<usize> = (0..PADDINGS.len())
@@ -308,9 +316,15 @@ fn plan_to(
         }
         let mut random = RandomStreams::new(SEED).stream("transfer");
         let direct = Route::new(vec![*start, *goal]);
-        let (route, found_by) = if checker.all_free(&direct.path().samples(checker.step())) {
+        let direct_is_free = checker.all_free(&direct.path().samples(checker.step()));
+        let mut others = if direct_is_free {
+            VecDeque::new()
+        } else {
+            raised(arm, start, goal)
+        };
+        let (route, found_by) = if direct_is_free {
             (Some(direct), "direct")
-        } else if let Some(route) = raised(&mut checker, start, goal) {
+        } else if let Some(route) = first_free(&mut checker, &mut others) {
             (Some(route), "raised vias")
         } else {
             let way = grow(&mut checker, start, goal, &mut random, &mut rounds);
@@ -319,19 +333,28 @@ fn plan_to(
         let Some(found) = route else {
             continue;
         };
-        let (trail, found_by) = improve(&mut checker, &found, found_by, &mut random);
+        let (trail, found_by) = improve(&mut checker, &found, found_by, &mut others, &mut random);
         match proved(scene, start, &trail[trail.len() - 1], found_by) {
             Ok(plan) => return Ok(plan),
             Err(why) => failed = why,
         }
         if thickness == 0 {
-            // Thick bodies in large steps may still step across a thin one: back to where that began,
+            // Thick bodies in large steps may still graze something: back to where that began, or to another way,
             // and on from there in small steps.
             checker.careful = true;
             let good = trail.iter().rev().find(|r| checker.path_is_free(&r.path()));
-            if let Some(good) = good {
-                let trail = refine(&mut checker, good.clone(), LAST_EFFORT, &mut random);
-                for route in [&trail[trail.len() - 1], good] {
+            let (begin, found_by) = if let Some(good) = good {
+                (Some(good.clone()), found_by)
+            } else if let Some(route) = first_free(&mut checker, &mut others) {
+                (Some(route), "raised vias")
+            } else {
+                let way = grow(&mut checker, start, goal, &mut random, &mut rounds);
+                (way.map(Route::new), "search")
+            };
+            if let Some(begin) = begin {
+                let (trail, found_by) =
+                    improve(&mut checker, &begin, found_by, &mut others, &mut random);
+                for route in [&trail[trail.len() - 1], &begin] {
                     if let Ok(plan) = proved(scene, start, route, found_by) {
                         return Ok(plan);
                     }
@@ -404,6 +427,7 @@ fn improve(
     checker: &mut Checker,
     found: &Route,
     mut found_by: &'static str,
+    others: &mut VecDeque<Route>,
     random: &mut RandomStream,
 ) -> (Vec<Route>, &'static str) {
     let limits = checker.scene.arm.limits();
@@ -416,15 +440,24 @@ fn improve(
         return (trail, found_by);
     }
     let most_checks = checker.most_checks;
-    for _ in 0..OTHER_WAYS {
-        checker.most_checks = most_checks.min(checker.checks + OTHER_CHECKS);
-        let Some(way) = grow(checker, &start, &goal, random, &mut 0) else {
+    for turn in 0..OTHER_RAISED + OTHER_WAYS {
+        if time <= bound * SHORT {
+            break;
+        }
+        let (route, by) = if turn < OTHER_RAISED {
+            (first_free(checker, others), "raised vias")
+        } else {
+            checker.most_checks = most_checks.min(checker.checks + OTHER_CHECKS);
+            let way = grow(checker, &start, &goal, random, &mut 0);
+            (way.map(Route::new), "search")
+        };
+        let Some(route) = route else {
             continue;
         };
-        let other = refine(checker, Route::new(way), OTHER_EFFORT, random);
+        let other = refine(checker, route, OTHER_EFFORT, random);
         let other_time = time_of(&other);
         if other_time < time {
-            (trail, time, found_by) = (other, other_time, "search");
+            (trail, time, found_by) = (other, other_time, by);
         }
     }
     checker.most_checks = most_checks;
@@ -434,9 +467,18 @@ fn improve(
     (trail, found_by)
 }
 
-/// The first free of the raised ways, fastest first; straight up before drawn in.
-fn raised(checker: &mut Checker, start: &JointPositions, goal: &JointPositions) -> Option<Route> {
-    let arm = checker.scene.arm;
+/// The first free one; those before it are blocked and leave the list with it.
+fn first_free(checker: &mut Checker, routes: &mut VecDeque<Route>) -> Option<Route> {
+    while let Some(route) = routes.pop_front() {
+        if checker.path_is_free(&route.path()) {
+            return Some(route);
+        }
+    }
+    None
+}
+
+/// Raised ways, fastest first; all that go straight up before those that draw in.
+fn raised(arm: &Arm, start: &JointPositions, goal: &JointPositions) -> VecDeque<Route> {
     let limits = arm.limits();
     let via = |at: &JointPositions, height: f64, drawn_in: f64| {
         let mut pose = arm.base_from_flange(at);
@@ -446,7 +488,8 @@ fn raised(checker: &mut Checker, start: &JointPositions, goal: &JointPositions) 
         // Another branch is another way.
         (near.max_distance(at) < 1.2).then_some(near)
     };
-    DRAWN_IN.iter().find_map(|&drawn_in| {
+    let mut all = VecDeque::new();
+    for drawn_in in DRAWN_IN {
         let mut routes = Vec::new();
         for height in HEIGHTS_M {
             let (up, over) = (via(start, height, drawn_in), via(goal, height, drawn_in));
@@ -466,11 +509,9 @@ fn raised(checker: &mut Checker, start: &JointPositions, goal: &JointPositions) 
             .map(|r| (r.rough_time(limits), r))
             .collect();
         timed.sort_by(|a, b| a.0.total_cmp(&b.0));
-        timed
-            .into_iter()
-            .map(|(_, route)| route)
-            .find(|route| checker.path_is_free(&route.path()))
-    })
+        all.extend(timed.into_iter().map(|(_, route)| route));
+    }
+    all
 }
 
 fn plan(scene: &Scene, route: &Route, clearance: f64, found_by: &'static str) -> TransferPlan {
