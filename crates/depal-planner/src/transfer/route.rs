@@ -19,7 +19,7 @@ use super::{
 /// Seed of everything random here.
 const SEED: u64 = 1;
 /// States that may be checked in search of one way.
-const MOST_CHECKS: usize = 300_000;
+const MOST_CHECKS: usize = 200_000;
 /// Goal postures of a pose that are tried.
 const MOST_GOALS: usize = 12;
 /// Plans a way from rest at `start` to rest at `goal`.
