@@ -136,7 +136,7 @@ fn extremes(points: &[Vector]) -> Vec<usize> {
             }
         }
         let known = |&i: &usize| (points[i] - points[best.1]).norm_squared() < 1e-12;
-        if !chosen.iter().any(|i| known(i)) {
+        if !chosen.iter().any(known) {
             chosen.push(best.1);
         }
     }

@@ -98,6 +98,7 @@ fn bench_transfers(criterion: &mut Criterion) {
     for (kind, part) in hard_set::KINDS.iter().zip(hard.chunks(HARD_PER_KIND)) {
         summary(kind, part);
     }
+    summary("closed cells", &hard_set::unsolvable(1, 10));
     let question = &set[5];
     let checker = TransferChecker::new(&question.scene);
     let (start, goal) = (question.start, question.goal);

@@ -24,6 +24,7 @@
 //! as fast as the limits of the arm allow. It tries the straight joint move, raised vias and a seeded search, bends the way
 //! by small changes while that saves time, flies its corners as parabolas, and proves it on the bare bodies.
 //! Its effort is counted in checks, so the answer does not depend on the computer.
+//! [`TransferChecker`] answers single questions about the same scene: what touches, what is free, how near things are.
 //!
 //! Units: metres, radians, seconds, kilograms, f64; collision checks run in f32.
 //! Frames: everything in the arm's base frame, Z up; a box frame sits in the middle of the top face, Z up, X along the long side.

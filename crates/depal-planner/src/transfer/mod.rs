@@ -13,6 +13,7 @@ mod request;
 mod route;
 mod scene;
 mod tree;
+mod ways;
 
 pub use checker::TransferChecker;
 pub use request::{TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint};

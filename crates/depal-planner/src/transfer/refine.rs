@@ -5,8 +5,8 @@ use depal_frames::JointPositions;
 use depal_time::RandomStream;
 
 use super::{
+    checker::Checker,
     law::{BlendedPath, distance, fitting_blends},
-    route::Checker,
 };
 
 /// Ways that are no slower than this against the bound are good enough.

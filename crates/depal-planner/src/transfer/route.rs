@@ -1,128 +1,27 @@
 //! The ladder.
 
-use depal_frames::{JointPositions, Pose, Vector};
-use depal_time::{RandomStream, RandomStreams};
+use std::collections::VecDeque;
+
+use depal_frames::{JointPositions, Pose};
+use depal_time::RandomStreams;
 
 use super::{
     certificate::certify,
-    law::{BlendedPath, Samples, fitting_blends, lower_bound},
-    refine::{Effort, Route, refine},
+    checker::{Checker, FINE_STEP},
+    law::{BlendedPath, fitting_blends, lower_bound},
+    refine::Route,
     request::{TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint},
-    scene::{BARE, Contact, PADDINGS, Scene},
+    scene::{BARE, PADDINGS, Scene},
     tree::grow,
+    ways::{first_free, improve, raised},
 };
 
 /// Seed of everything random here.
 const SEED: u64 = 1;
 /// States that may be checked in search of one way.
-const MOST_CHECKS: usize = 300_000;
+const MOST_CHECKS: usize = 200_000;
 /// Goal postures of a pose that are tried.
 const MOST_GOALS: usize = 12;
-/// Neighbouring states of a checked path, rad.
-const STEP: f64 = 0.05;
-/// The same where the padding is thin.
-const FINE_STEP: f64 = 0.01;
-/// Heights by which the tool is raised, m.
-const HEIGHTS_M: [f64; 6] = [0.1, 0.2, 0.35, 0.55, 0.8, 1.1];
-/// Shares of the turn at which a single raised via lies.
-const TURNED: [f64; 3] = [0.25, 0.5, 0.75];
-/// A way that takes this much longer than the bound is a long way round.
-const LONG: f64 = 1.25;
-/// Other ways looked for then ...
-const OTHER_WAYS: usize = 4;
-/// ... each with at most so many states checked.
-const OTHER_CHECKS: usize = 6000;
-/// Effort of bending: the first way, each other one, and the best of them once more.
-const FIRST_EFFORT: Effort = Effort {
-    changes: 300,
-    checks: 1200,
-};
-const OTHER_EFFORT: Effort = Effort {
-    changes: 150,
-    checks: 1000,
-};
-const LAST_EFFORT: Effort = Effort {
-    changes: 500,
-    checks: 4000,
-};
-/// Shares of the way to the base by which the raised tool is drawn in.
-const DRAWN_IN: [f64; 3] = [0.0, 0.15, 0.35];
-
-/// Counts checked states and knows the limits of what may be spent.
-pub(crate) struct Checker<'a> {
-    pub scene: &'a Scene<'a>,
-    pub thickness: usize,
-    pub checks: usize,
-    pub most_checks: usize,
-    /// Where along its way the last blocked path was blocked, 0 to 1: the next one is looked at there first.
-    pub hint: f64,
-    /// Small steps in spite of thick bodies: something thin stands in the way.
-    pub careful: bool,
-}
-
-impl<'a> Checker<'a> {
-    /// For bare bodies, without a limit.
-    pub fn bare(scene: &'a Scene<'a>) -> Self {
-        Self {
-            scene,
-            thickness: BARE,
-            checks: 0,
-            most_checks: usize::MAX,
-            hint: 0.5,
-            careful: false,
-        }
-    }
-
-    /// The far end is a state of its own: a line without length has no others.
-    pub fn line_is_free(&mut self, from: &JointPositions, to: &JointPositions, step: f64) -> bool {
-        let path = BlendedPath::new(&[*from, *to], &[0.0, 0.0]);
-        self.all_free(&path.samples(step)) && self.contact(to).is_none()
-    }
-
-    pub fn step(&self) -> f64 {
-        if self.thickness == 0 && !self.careful {
-            STEP
-        } else {
-            FINE_STEP
-        }
-    }
-
-    pub fn contact(&mut self, joints: &JointPositions) -> Option<Contact> {
-        self.checks += 1;
-        self.scene.contact(joints, self.thickness)
-    }
-
-    /// Whether all states are free: the middle first, then the middles of the halves, and so on.
-    pub fn all_free(&mut self, states: &Samples) -> bool {
-        let count = states.count();
-        let mut stride = count.next_power_of_two();
-        while stride > 1 {
-            for i in (stride / 2..count).step_by(stride) {
-                if self.contact(&states.at(i)).is_some() {
-                    self.hint = i as f64 / (count - 1) as f64;
-                    return false;
-                }
-            }
-            stride /= 2;
-        }
-        count == 0 || self.contact(&states.at(0)).is_none()
-    }
-
-    pub fn path_is_free(&mut self, path: &BlendedPath) -> bool {
-        let states = path.samples(self.step());
-        if states.count() == 0 {
-            return true;
-        }
-        let hint = ((states.count() - 1) as f64 * self.hint).round() as usize;
-        self.contact(&states.at(hint)).is_none() && self.all_free(&states)
-    }
-
-    pub fn edge_is_free(&mut self, from: &JointPositions, to: &JointPositions) -> bool {
-        let path = BlendedPath::new(&[*from, *to], &[0.0, 0.0]);
-        self.all_free(&path.samples(self.step()))
-    }
-}
-
 /// Plans a way from rest at `start` to rest at `goal`.
 ///
 /// Same question, same bits: no clock is read and all random draws have one seed.
@@ -288,6 +187,7 @@ fn plan_to(
     goal: &JointPositions,
     most_checks: usize,
 ) -> Result<TransferPlan, String> {
+    let arm = scene.arm;
     let mut failed = String::new();
     let mut rounds = 0;
     let usable: Vec<usize> = (0..PADDINGS.len())
@@ -308,9 +208,15 @@ fn plan_to(
         }
         let mut random = RandomStreams::new(SEED).stream("transfer");
         let direct = Route::new(vec![*start, *goal]);
-        let (route, found_by) = if checker.all_free(&direct.path().samples(checker.step())) {
+        let direct_is_free = checker.all_free(&direct.path().samples(checker.step()));
+        let mut others = if direct_is_free {
+            VecDeque::new()
+        } else {
+            raised(arm, start, goal)
+        };
+        let (route, found_by) = if direct_is_free {
             (Some(direct), "direct")
-        } else if let Some(route) = raised(&mut checker, start, goal) {
+        } else if let Some(route) = first_free(&mut checker, &mut others) {
             (Some(route), "raised vias")
         } else {
             let way = grow(&mut checker, start, goal, &mut random, &mut rounds);
@@ -319,19 +225,28 @@ fn plan_to(
         let Some(found) = route else {
             continue;
         };
-        let (trail, found_by) = improve(&mut checker, &found, found_by, &mut random);
+        let (trail, found_by) = improve(&mut checker, &found, found_by, &mut others, &mut random);
         match proved(scene, start, &trail[trail.len() - 1], found_by) {
             Ok(plan) => return Ok(plan),
             Err(why) => failed = why,
         }
         if thickness == 0 {
-            // Thick bodies in large steps may still step across a thin one: back to where that began,
+            // Thick bodies in large steps may still graze something: back to where that began, or to another way,
             // and on from there in small steps.
             checker.careful = true;
             let good = trail.iter().rev().find(|r| checker.path_is_free(&r.path()));
-            if let Some(good) = good {
-                let trail = refine(&mut checker, good.clone(), LAST_EFFORT, &mut random);
-                for route in [&trail[trail.len() - 1], good] {
+            let (begin, found_by) = if let Some(good) = good {
+                (Some(good.clone()), found_by)
+            } else if let Some(route) = first_free(&mut checker, &mut others) {
+                (Some(route), "raised vias")
+            } else {
+                let way = grow(&mut checker, start, goal, &mut random, &mut rounds);
+                (way.map(Route::new), "search")
+            };
+            if let Some(begin) = begin {
+                let (trail, found_by) =
+                    improve(&mut checker, &begin, found_by, &mut others, &mut random);
+                for route in [&trail[trail.len() - 1], &begin] {
                     if let Ok(plan) = proved(scene, start, route, found_by) {
                         return Ok(plan);
                     }
@@ -396,81 +311,6 @@ fn proved(
         )),
         Err(None) => Err("a way was found but comes too close to be proved free".to_owned()),
     }
-}
-
-/// Bends a found way; where it stays a long way round, looks for others and bends the best of them further.
-/// Gives the routes met on the way to the best, which comes last.
-fn improve(
-    checker: &mut Checker,
-    found: &Route,
-    mut found_by: &'static str,
-    random: &mut RandomStream,
-) -> (Vec<Route>, &'static str) {
-    let limits = checker.scene.arm.limits();
-    let (start, goal) = (found.points[0], found.points[found.points.len() - 1]);
-    let bound = lower_bound(&start, &goal, limits);
-    let time_of = |trail: &[Route]| trail[trail.len() - 1].rough_time(limits);
-    let mut trail = refine(checker, found.clone(), FIRST_EFFORT, random);
-    let mut time = time_of(&trail);
-    if time <= bound * LONG {
-        return (trail, found_by);
-    }
-    let most_checks = checker.most_checks;
-    for _ in 0..OTHER_WAYS {
-        checker.most_checks = most_checks.min(checker.checks + OTHER_CHECKS);
-        let Some(way) = grow(checker, &start, &goal, random, &mut 0) else {
-            continue;
-        };
-        let other = refine(checker, Route::new(way), OTHER_EFFORT, random);
-        let other_time = time_of(&other);
-        if other_time < time {
-            (trail, time, found_by) = (other, other_time, "search");
-        }
-    }
-    checker.most_checks = most_checks;
-    let best = trail[trail.len() - 1].clone();
-    let last = refine(checker, best, LAST_EFFORT, random);
-    trail.extend(last.into_iter().skip(1));
-    (trail, found_by)
-}
-
-/// The first free of the raised ways, fastest first; straight up before drawn in.
-fn raised(checker: &mut Checker, start: &JointPositions, goal: &JointPositions) -> Option<Route> {
-    let arm = checker.scene.arm;
-    let limits = arm.limits();
-    let via = |at: &JointPositions, height: f64, drawn_in: f64| {
-        let mut pose = arm.base_from_flange(at);
-        let flat = pose.translation.vector.xy() * -drawn_in;
-        pose.translation.vector += Vector::new(flat.x, flat.y, height);
-        let near = arm.inverse_nearest(&pose, at)?;
-        // Another branch is another way.
-        (near.max_distance(at) < 1.2).then_some(near)
-    };
-    DRAWN_IN.iter().find_map(|&drawn_in| {
-        let mut routes = Vec::new();
-        for height in HEIGHTS_M {
-            let (up, over) = (via(start, height, drawn_in), via(goal, height, drawn_in));
-            if let (Some(up), Some(over)) = (up, over) {
-                routes.push(Route::new(vec![*start, up, over, *goal]));
-                for share in TURNED {
-                    let high = up.lerp(&over, share);
-                    routes.push(Route::new(vec![*start, high, *goal]));
-                }
-            }
-            for via in [up, over].into_iter().flatten() {
-                routes.push(Route::new(vec![*start, via, *goal]));
-            }
-        }
-        let mut timed: Vec<(f64, Route)> = routes
-            .into_iter()
-            .map(|r| (r.rough_time(limits), r))
-            .collect();
-        timed.sort_by(|a, b| a.0.total_cmp(&b.0));
-        timed
-            .into_iter()
-            .map(|(_, route)| route)
-            .find(|route| checker.path_is_free(&route.path()))
-    })
 }
 
 fn plan(scene: &Scene, route: &Route, clearance: f64, found_by: &'static str) -> TransferPlan {

@@ -29,6 +29,13 @@ struct Solid {
 }
 
 impl Solid {
+    /// Boxes have no thick shapes of their own; they are made when something round comes near.
+    fn thick_box(&self, thickness: usize) -> Option<SharedShape> {
+        let padding = *PADDINGS.get(thickness)?;
+        let [x, y, z] = self.half.map(|h| (h + padding) as f32);
+        self.is_box.then(|| SharedShape::cuboid(x, y, z))
+    }
+
     fn new(placed: &PlacedShape) -> Self {
         let (frame_from_shape, shape) = solid(placed, 0.0);
         if let Shape::Cuboid { half_extents } = &placed.shape {
@@ -253,7 +260,7 @@ impl<'a> Scene<'a> {
             let (a, b) = (&self.bodies[first].solid, &self.bodies[second].solid);
             if a.is_box && b.is_box || {
                 let (pose_a, pose_b) = (self.pose(&state, first), self.pose(&state, second));
-                let thick = Self::thick_box(a, thickness);
+                let thick = a.thick_box(thickness);
                 let a = thick.as_ref().unwrap_or_else(|| a.thick(thickness));
                 query::intersection_test(&pose_a, a.as_ref(), &pose_b, b.shape.as_ref())
                     .is_ok_and(|m| m.intersecting)
@@ -264,17 +271,10 @@ impl<'a> Scene<'a> {
         None
     }
 
-    /// Boxes have no thick shapes of their own; they are made when something round comes near.
-    fn thick_box(solid: &Solid, thickness: usize) -> Option<SharedShape> {
-        let padding = *PADDINGS.get(thickness)?;
-        let [x, y, z] = solid.half.map(|h| (h + padding) as f32);
-        solid.is_box.then(|| SharedShape::cuboid(x, y, z))
-    }
-
     fn shapes_meet(&self, state: &State, body: usize, obstacle: usize, thickness: usize) -> bool {
         let pose = self.pose(state, body);
         let other = &self.obstacles.solids[obstacle];
-        let thick = Self::thick_box(other, thickness);
+        let thick = other.thick_box(thickness);
         let shape = thick.as_ref().unwrap_or_else(|| other.thick(thickness));
         query::intersection_test(
             &pose,

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use depal_frames::JointPositions;
 use depal_time::RandomStream;
 
-use super::{law::lower_bound, route::Checker};
+use super::{checker::Checker, law::lower_bound};
 use crate::tree::{self, Ground};
 
 /// Longest step by which a tree grows, rad.

@@ -5,7 +5,7 @@ use depal_planner::{TransferGoal, plan_transfer};
 
 use super::{
     cell::{cuboid, furniture, goal, obstacles, scene, transfers},
-    hard_set::questions,
+    hard_set::{questions, unsolvable},
     oracle::Oracle,
 };
 
@@ -47,6 +47,20 @@ fn nearly_all_hard_cells_are_solved_and_no_way_touches() {
         f64::from(solved) >= 0.95 * f64::from(tried),
         "{solved} of {tried}: {missed:#?}"
     );
+}
+
+#[test]
+fn closed_cells_are_refused_with_what_stands_in_the_way() {
+    for question in unsolvable(1, 4) {
+        let goal = TransferGoal::Joints(question.goal);
+        let refusal = plan_transfer(&question.scene, &question.start, &goal).unwrap_err();
+        let said = &refusal.reason;
+        assert!(
+            said.contains("touches obstacle"),
+            "{}: {said}",
+            question.name
+        );
+    }
 }
 
 /// A closed wall between pallet and conveyor from floor to far above, and around the whole arm.

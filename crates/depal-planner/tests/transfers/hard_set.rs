@@ -2,7 +2,7 @@
 
 #![allow(dead_code)]
 
-use depal_frames::{JointPositions, PlacedShape};
+use depal_frames::{JointPositions, PlacedShape, Pose, Rotation, Vector};
 use depal_planner::TransferScene;
 use depal_time::{RandomStream, RandomStreams};
 
@@ -72,6 +72,46 @@ pub fn questions(seed: u64, count: usize) -> Vec<Question> {
         }
     }
     found
+}
+
+/// Questions without an answer, though both ends are free: plates from the arm's foot outwards on both sides, and a ceiling
+/// too low for the arm to stand upright between them. Wherever joint 1 passes the plates, the arm is longer than the gap.
+pub fn unsolvable(seed: u64, count: usize) -> Vec<Question> {
+    let mut random = RandomStreams::new(seed).stream("unsolvable cells");
+    let all = transfers();
+    let mut found = Vec::new();
+    for _ in 0..400 * count {
+        if found.len() == count {
+            return found;
+        }
+        let pick = (random.uniform(0.0, all.len() as f64) as usize).min(all.len() - 1);
+        let (transfer, layers, slot, start) = &all[pick];
+        let mut solids = obstacles(*layers, *slot);
+        let bearing = random.uniform(0.65, 0.95);
+        let (thick, ceiling) = (random.uniform(0.02, 0.08), random.uniform(2.85, 2.95));
+        for side in [0.0, std::f64::consts::PI] {
+            let turn = Rotation::from_axis_angle(&Vector::z_axis(), bearing + side);
+            let at = turn * Vector::new(0.55 + 1.75, 0.0, 1.5);
+            let pose = Pose::from_parts(at.into(), turn);
+            solids.push(PlacedShape::cuboid(pose, Vector::new(3.5, thick, 3.0)));
+        }
+        solids.push(cuboid([0.0, 0.0, ceiling + 0.05], [8.0, 8.0, 0.1]));
+        let scene = scene(solids);
+        let oracle = Oracle::new(&scene, ROOM);
+        if oracle.touch(start).is_some() || oracle.touch(&goal()).is_some() {
+            continue;
+        }
+        found.push(Question {
+            name: format!("closed {} ({transfer})", found.len()),
+            scene,
+            start: *start,
+            goal: goal(),
+        });
+    }
+    panic!(
+        "{} of {count} closed cells leave both ends free",
+        found.len()
+    );
 }
 
 /// Drawn in, turned, out again; the tool keeps its lean.
