@@ -4,6 +4,7 @@ mod bas;
 mod bytes;
 mod frames;
 mod geometry;
+mod inline;
 mod internal;
 mod interrupts;
 mod io;

@@ -31,11 +31,12 @@ pub(crate) fn predefined_data() -> [&'static str; 1] {
     [include_str!("../predefined.dat")]
 }
 
-fn themes() -> [&'static [Entry]; 9] {
+fn themes() -> [&'static [Entry]; 10] {
     [
         &bas::ENTRIES,
         &bytes::ENTRIES,
         &geometry::ENTRIES,
+        &inline::ENTRIES,
         &interrupts::ENTRIES,
         &io::ENTRIES,
         &maths::ENTRIES,

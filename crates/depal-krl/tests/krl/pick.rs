@@ -74,7 +74,7 @@ DEF place(n:IN)
 END
 "#;
 
-const DATA: &str = r#"&ACCESS RVP
+const DATA: &str = r"&ACCESS RVP
 DEFDAT main
 DECL FRAME gripper={X 0.0,Y 0.0,Z 150.0,A 0.0,B 0.0,C 0.0}
 DECL FRAME stack={X 1200.0,Y -300.0,Z 100.0,A 0.0,B 0.0,C 180.0}
@@ -83,7 +83,7 @@ DECL BOOL picked=FALSE
 SIGNAL vacuum $OUT[1]
 SIGNAL vacuum_ok $IN[1]
 ENDDAT
-"#;
+";
 
 fn run_cell(changes: &[(u64, f64)]) -> (Vec<String>, Step) {
     let mut system = FakeSystem::default();

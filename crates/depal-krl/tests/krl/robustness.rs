@@ -229,10 +229,11 @@ fn deep_and_long_texts() {
         "-".repeat(5000)
     ));
     throw(&format!("DEF main( )\na{} = 1\nEND", ".b".repeat(5000)));
-    let structures: String = (1..60)
-        .map(|i| format!("STRUC S{i} S{} a, S{} b\n", i - 1, i - 1))
+    let structures: Vec<_> = (1..60)
+        .map(|i| format!("STRUC S{i} S{} a, S{} b", i - 1, i - 1))
         .collect();
+    let structures = structures.join("\n");
     throw(&format!(
-        "DEF main( )\nSTRUC S0 INT x\n{structures}DECL S59 q\nEND"
+        "DEF main( )\nSTRUC S0 INT x\n{structures}\nDECL S59 q\nEND"
     ));
 }
