@@ -36,7 +36,11 @@
 //! event log, and the program goes on; `EKI_CHECK(ret, #QUIT)` stops it.
 //!
 //! The program runs up to `$ADVANCE` moves ahead of the arm. Inputs and outputs, waits, HALT, the actual position
-//! and messages wait for the arm first, unless CONTINUE stands before the statement. Errors stop the program.
+//! and messages wait for the arm first, unless CONTINUE stands before the statement. Timers and flags do not wait:
+//! write WAIT SEC 0 before them. Errors stop the program.
+//!
+//! A `.sub` file is loaded like the others; its first routine is an entry of its own, and a program made from the
+//! same files has the same slots for global data.
 //!
 //! Limitations: AND and OR compute both sides; C_PTP takes its share of half the way as a distance; of status and
 //! turn only the sign of A5 and the turns of A4 to A6 choose a solution; external axes, spline blocks, cyclic

@@ -124,39 +124,38 @@ fn frame_of(
     number_of: &str,
     number: f64,
 ) -> Result<(), RaisedError> {
-    let index = number.round() as i64;
-    let frame = if index == 0 {
-        variable(context, "$nullframe").clone()
-    } else {
-        // A program's own $CONFIG.DAT comes before the predefined table.
-        let Value::Array(frames) = own(context, table) else {
-            return Err(context.argument_error(format!("there is no {}", table.to_uppercase())));
-        };
-        let frame = usize::try_from(index - 1).ok().and_then(|i| frames.get(i));
-        match frame {
-            Some(frame) => frame.clone(),
-            None => {
-                return Err(context.argument_error(format!(
-                    "{}[{index}] is outside 1..{}",
-                    table.to_uppercase(),
-                    frames.len()
-                )));
-            }
-        }
-    };
-    if frame.is_unset() {
-        return Err(context.argument_error(format!(
-            "{}[{index}] has no value yet",
-            table.to_uppercase()
-        )));
-    }
+    let frame = numbered_frame(context, table, number)?;
     *variable_mut(context, target) = frame;
-    *variable_mut(context, number_of) = Value::Int(index);
+    *variable_mut(context, number_of) = Value::Int(number.round() as i64);
     Ok(())
 }
 
-fn own<'a>(context: &'a CallContext<'_>, name: &str) -> &'a Value {
-    variable(context, name)
+/// A tool or base by its number; 0 is the null frame.
+pub(super) fn numbered_frame(
+    context: &CallContext<'_>,
+    table: &str,
+    number: f64,
+) -> Result<Value, RaisedError> {
+    let index = number.round() as i64;
+    if index == 0 {
+        return Ok(variable(context, "$nullframe").clone());
+    }
+    let Value::Array(frames) = variable(context, table) else {
+        return Err(context.argument_error(format!("there is no {}", table.to_uppercase())));
+    };
+    let frame = usize::try_from(index - 1).ok().and_then(|i| frames.get(i));
+    match frame {
+        Some(frame) if frame.is_unset() => Err(context.argument_error(format!(
+            "{}[{index}] has no value yet",
+            table.to_uppercase()
+        ))),
+        Some(frame) => Ok(frame.clone()),
+        None => Err(context.argument_error(format!(
+            "{}[{index}] is outside 1..{}",
+            table.to_uppercase(),
+            frames.len()
+        ))),
+    }
 }
 
 fn part(context: &CallContext<'_>, name: &str, part: usize) -> Option<f64> {

@@ -42,7 +42,7 @@ pub(super) fn any_variable(
 }
 
 /// The type of the simple values in a variable of this type.
-fn leaf<'a>(kind: &'a str, place: usize) -> &'a str {
+fn leaf(kind: &str, place: usize) -> &str {
     let base = kind.split('[').next().unwrap_or(kind);
     match base.to_ascii_uppercase().as_str() {
         "INT" | "REAL" | "BOOL" | "CHAR" => base,

@@ -5,6 +5,7 @@ mod bytes;
 mod eki;
 mod frames;
 mod geometry;
+mod inline;
 mod internal;
 mod interrupts;
 mod io;

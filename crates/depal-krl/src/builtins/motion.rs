@@ -199,7 +199,8 @@ fn joints(
     Ok(joints_of_axes(&axes, start.len()))
 }
 
-/// Among the solutions the one with the status and turn of a point, as far as asking near it finds one.
+/// Among the solutions the one with the status and turn of a point, as far as asking near it finds one;
+/// `None` if the nearest will do.
 ///
 /// Bit 2 of the status (sign of A5) and the bits of the turn for A4 to A6 are looked at; the others choose the
 /// shoulder and the elbow, which stay as they are.
@@ -230,6 +231,10 @@ fn chosen_branch(
         wanted_status.is_none_or(|wanted| wanted & 4 == status(&axes) & 4)
             && wanted_turn.is_none_or(|wanted| wanted & 0x38 == turn(&axes) & 0x38)
     };
+    let nearest = system.inverse(&base_from_flange, &start).ok()?;
+    if fits(&nearest) {
+        return None;
+    }
     let half = std::f64::consts::PI;
     for flip in [false, true] {
         for turn_4 in [0.0, half, -half] {

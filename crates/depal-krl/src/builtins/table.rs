@@ -40,6 +40,7 @@ fn themes() -> [&'static [Entry]; 10] {
         &bytes::ENTRIES,
         &eki::ENTRIES,
         &geometry::ENTRIES,
+        &inline::ENTRIES,
         &interrupts::ENTRIES,
         &io::ENTRIES,
         &maths::ENTRIES,

@@ -61,14 +61,11 @@ impl Compiler<'_> {
             }
         }
         for (field, (_, kind)) in given.into_iter().zip(&known) {
-            match field {
-                Some(field) => {
-                    self.value(&field.value, Some(kind));
-                }
-                None => {
-                    let unset = self.types.unset(kind);
-                    self.emit(Op::Push(unset));
-                }
+            if let Some(field) = field {
+                self.value(&field.value, Some(kind));
+            } else {
+                let unset = self.types.unset(kind);
+                self.emit(Op::Push(unset));
             }
         }
         self.emit(Op::MakeRecord(known.len() as u32));

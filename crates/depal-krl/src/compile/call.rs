@@ -3,7 +3,7 @@ use std::rc::Rc;
 use depal_vm::{Diagnostic, Op, Span, Value};
 
 use super::scope::*;
-use super::types::Type;
+use super::types::{Type, same};
 use crate::syntax::tree::*;
 
 impl Compiler<'_> {
@@ -179,7 +179,7 @@ impl Compiler<'_> {
                     return;
                 }
                 let found = self.place(value);
-                if !self.types.same(kind, &found) {
+                if !same(kind, &found) {
                     self.mismatch(value.span, kind, &found);
                 }
             }

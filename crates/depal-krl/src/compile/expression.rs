@@ -2,7 +2,7 @@ use depal_vm::{Diagnostic, Op, Span, UnaryOp, Value};
 
 use super::scope::*;
 use super::types::*;
-use crate::syntax::print::expression_text;
+use crate::syntax::print_expression::expression_text;
 use crate::syntax::tree::*;
 
 impl Compiler<'_> {
@@ -92,16 +92,14 @@ impl Compiler<'_> {
                 self.emit(Op::Push(Value::Bool(*value)));
                 Type::Bool
             }
-            ExpressionKind::Constant(name) => match self.enum_constant(name, expected) {
-                Some((index, kind)) => {
+            ExpressionKind::Constant(name) => {
+                if let Some((index, kind)) = self.enum_constant(name, expected) {
                     self.emit(Op::Push(Value::Int(index)));
-                    kind
+                    return kind;
                 }
-                None => {
-                    self.emit(Op::Push(Value::Unset));
-                    Type::Broken
-                }
-            },
+                self.emit(Op::Push(Value::Unset));
+                Type::Broken
+            }
             ExpressionKind::Name(name) => self.name_value(name, span),
             ExpressionKind::Field(..) | ExpressionKind::Index(..) => self.part(expression),
             ExpressionKind::Call { name, arguments } => self.call_value(name, arguments, span),

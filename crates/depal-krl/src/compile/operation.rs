@@ -12,7 +12,10 @@ impl Compiler<'_> {
         left: &Expression,
         right: &Expression,
     ) -> Type {
-        use Operator::*;
+        use Operator::{
+            Add, And, BitAnd, BitExor, BitOr, Divide, Equal, Exor, Frame, Greater, GreaterOrEqual,
+            Less, LessOrEqual, Multiply, NotEqual, Or, Subtract,
+        };
         match operator {
             And | Or | Exor => {
                 for side in [left, right] {
@@ -151,7 +154,7 @@ impl Compiler<'_> {
         }
         if a.is_number() && b.is_number() {
             self.same_numbers(&a, &b, between);
-        } else if !self.comparable(operator, &a, &b) {
+        } else if !comparable(operator, &a, &b) {
             let (a, b) = (self.type_name(&a), self.type_name(&b));
             let span = left.span.to(right.span);
             self.error(Diagnostic::error(
@@ -163,17 +166,6 @@ impl Compiler<'_> {
         self.emit(Op::Binary(op));
     }
 
-    fn comparable(&self, operator: Operator, a: &Type, b: &Type) -> bool {
-        if *a == Type::Broken || *b == Type::Broken {
-            return true;
-        }
-        match a {
-            Type::Enum(_) => a == b,
-            Type::Bool => a == b && matches!(operator, Operator::Equal | Operator::NotEqual),
-            _ => false,
-        }
-    }
-
     /// `a:b`, of the type of the right side.
     fn frame_product(&mut self, left: &Expression, right: &Expression) -> Type {
         let a = self.value(left, None);
@@ -182,13 +174,24 @@ impl Compiler<'_> {
             (this.types.family(kind) != Some(Family::Pose) && *kind != Type::Broken)
                 .then_some((span, kind.clone()))
         };
-        for wrong in [ok(self, &a, left.span), ok(self, &b, right.span)] {
-            if let Some((span, kind)) = wrong {
-                self.operand_error(span, "the frame operator `:`", &kind);
-                return Type::Broken;
-            }
+        let wrong = [ok(self, &a, left.span), ok(self, &b, right.span)];
+        if let Some((span, kind)) = wrong.into_iter().flatten().next() {
+            self.operand_error(span, "the frame operator `:`", &kind);
+            return Type::Broken;
         }
         self.emit_builtin("frame product", 2, true);
         b
+    }
+}
+
+/// Whether values that are no numbers may be compared.
+fn comparable(operator: Operator, a: &Type, b: &Type) -> bool {
+    if *a == Type::Broken || *b == Type::Broken {
+        return true;
+    }
+    match a {
+        Type::Enum(_) => a == b,
+        Type::Bool => a == b && matches!(operator, Operator::Equal | Operator::NotEqual),
+        _ => false,
     }
 }

@@ -84,7 +84,7 @@ pub(crate) const LIVE: &[Live] = &[
     ),
     indexed("$TIMER_FLAG", "BOOL", Some("read timer flag"), None, false),
     single("$AXIS_ACT", "E6AXIS", "axes now", true),
-    single("$AXIS_ACT_MES", "E6AXIS", "axes now", true),
+    single("$AXIS_ACT_MEAS", "E6AXIS", "axes now", true),
     single("$POS_ACT", "E6POS", "position now", true),
     single("$POS_ACT_MES", "E6POS", "position now", true),
     single("$AXIS_INT", "E6AXIS", "axes now", false),

@@ -107,32 +107,9 @@ impl Types {
             (Type::Broken | Type::Any, _) | (_, Type::Broken) => true,
             (Type::Int | Type::Real, Type::Int | Type::Real) => true,
             (Type::Char, Type::Int | Type::Char) | (Type::Int, Type::Char) => true,
-            (Type::Array { .. }, Type::Array { .. }) => self.same(expected, found),
+            (Type::Array { .. }, Type::Array { .. }) => same(expected, found),
             (a, b) if a == b => true,
             (a, b) => self.family(a).is_some() && self.family(a) == self.family(b),
-        }
-    }
-
-    /// Whether a variable of type `found` may be lent as one of type `expected`.
-    pub(crate) fn same(&self, expected: &Type, found: &Type) -> bool {
-        match (expected, found) {
-            (Type::Broken | Type::Any, _) | (_, Type::Broken) => true,
-            (
-                Type::Array { element, sizes },
-                Type::Array {
-                    element: other,
-                    sizes: found,
-                },
-            ) => {
-                let text = **element == Type::Char;
-                self.same(element, other)
-                    && sizes.len() == found.len()
-                    && sizes
-                        .iter()
-                        .zip(found)
-                        .all(|(a, b)| text || *a == 0 || *b == 0 || a == b)
-            }
-            (a, b) => a == b,
         }
     }
 
@@ -183,6 +160,27 @@ impl Types {
         }
     }
 
+    /// Zeros and FALSE: the tables of the system before anybody sets them.
+    pub(crate) fn zero(&self, kind: &Type) -> Value {
+        match kind {
+            Type::Real => Value::Num(0.0),
+            Type::Bool => Value::Bool(false),
+            Type::Int => Value::Int(0),
+            Type::Struc(index) => {
+                let fields = self.strucs[*index].fields.iter();
+                Value::Record(fields.map(|(_, kind)| self.zero(kind)).collect())
+            }
+            Type::Array { element, sizes } => {
+                let mut value = self.zero(element);
+                for size in sizes.iter().rev() {
+                    value = Value::Array(vec![value; *size]);
+                }
+                value
+            }
+            _ => Value::Unset,
+        }
+    }
+
     /// A variable that was given no value.
     pub(crate) fn unset(&self, kind: &Type) -> Value {
         match kind {
@@ -220,6 +218,29 @@ impl Type {
             element: Box::new(Self::Char),
             sizes: vec![size],
         }
+    }
+}
+
+/// Whether a variable of type `found` may be lent as one of type `expected`.
+pub(crate) fn same(expected: &Type, found: &Type) -> bool {
+    match (expected, found) {
+        (Type::Broken | Type::Any, _) | (_, Type::Broken) => true,
+        (
+            Type::Array { element, sizes },
+            Type::Array {
+                element: other,
+                sizes: found,
+            },
+        ) => {
+            let text = **element == Type::Char;
+            same(element, other)
+                && sizes.len() == found.len()
+                && sizes
+                    .iter()
+                    .zip(found)
+                    .all(|(a, b)| text || *a == 0 || *b == 0 || a == b)
+        }
+        (a, b) => a == b,
     }
 }
 

@@ -62,9 +62,6 @@ impl Parser<'_> {
 
     /// INTERRUPT is behind.
     pub(super) fn interrupt(&mut self, global: bool) -> Option<StatementKind> {
-        if self.is_word("interrupt") {
-            self.advance();
-        }
         if self.maybe_word("decl") {
             let number = self.expression();
             self.expect_word("WHEN", "behind the number of the interrupt");

@@ -1,5 +1,8 @@
 //! A tree as text, one statement a line. It reads as the same tree.
 
+use std::fmt::Write;
+
+use super::print_expression::*;
 use super::tree::*;
 
 /// A whole file.
@@ -18,13 +21,6 @@ pub(crate) fn print(file: &File) -> String {
         printer.routine(routine);
     }
     printer.text
-}
-
-/// An expression in one line, for messages.
-pub(crate) fn expression_text(expression: &Expression) -> String {
-    let mut text = String::new();
-    write_expression(&mut text, expression);
-    text
 }
 
 #[derive(Default)]
@@ -81,7 +77,7 @@ impl Printer {
     }
 
     fn statement(&mut self, kind: &StatementKind) {
-        use StatementKind::*;
+        use StatementKind::{Declare, For, If, Label, Loop, Repeat, Switch, While};
         let e = expression_text;
         match kind {
             Declare(declaration) => {
@@ -110,7 +106,7 @@ impl Printer {
             } => {
                 let mut text = format!("FOR {} = {} TO {}", e(variable), e(from), e(to));
                 if let Some(step) = step {
-                    text += &format!(" STEP {}", e(step));
+                    let _ = write!(text, " STEP {}", e(step));
                 }
                 self.line(&text);
                 self.block(body);
@@ -159,7 +155,10 @@ impl Printer {
 
 /// A statement of one line.
 fn simple_text(kind: &StatementKind) -> String {
-    use StatementKind::*;
+    use StatementKind::{
+        Assign, Brake, Call, Continue, Exit, Goto, Halt, Interrupt, InterruptDecl, Move, Refused,
+        Resume, Return, Trigger, WaitFor, WaitSec,
+    };
     let e = expression_text;
     match kind {
         Assign { target, value } => format!("{} = {}", e(target), e(value)),
@@ -224,7 +223,7 @@ fn move_text(movement: &Move) -> String {
     let points: Vec<_> = movement.points.iter().map(expression_text).collect();
     let mut text = format!("{} {}", movement.word.text(), points.join(", "));
     if let Some(angle) = &movement.angle {
-        text += &format!(", CA {}", expression_text(angle));
+        let _ = write!(text, ", CA {}", expression_text(angle));
     }
     let with: Vec<_> = movement
         .with
@@ -232,13 +231,13 @@ fn move_text(movement: &Move) -> String {
         .map(|(target, value)| format!("{} = {}", expression_text(target), expression_text(value)))
         .collect();
     if !with.is_empty() {
-        text += &format!(" WITH {}", with.join(", "));
+        let _ = write!(text, " WITH {}", with.join(", "));
     }
     for word in &movement.approximation {
-        text += &format!(" {}", word.text);
+        let _ = write!(text, " {}", word.text);
     }
     if let Some(frame) = &movement.frame {
-        text += &format!(" #{}", frame.text);
+        let _ = write!(text, " #{}", frame.text);
     }
     text
 }
@@ -313,7 +312,7 @@ fn declaration_text(declaration: &Declaration) -> String {
                 expression_text(from)
             );
             if let Some(to) = to {
-                text += &format!(" TO {}", expression_text(to));
+                let _ = write!(text, " TO {}", expression_text(to));
             }
             text
         }
@@ -335,120 +334,5 @@ fn declaration_text(declaration: &Declaration) -> String {
             };
             format!("{head}{}({})", name.text, parameters.join(", "))
         }
-    }
-}
-
-fn call_text(name: &Name, arguments: &Arguments) -> String {
-    let mut text = name.text.clone();
-    write_arguments(&mut text, arguments);
-    text
-}
-
-fn write_arguments(text: &mut String, arguments: &Arguments) {
-    text.push('(');
-    for (i, argument) in arguments.iter().enumerate() {
-        if i > 0 {
-            text.push_str(", ");
-        }
-        if let Some(argument) = argument {
-            write_expression(text, argument);
-        }
-    }
-    text.push(')');
-}
-
-fn write_indexes(text: &mut String, indexes: &[Option<Expression>]) {
-    text.push('[');
-    for (i, index) in indexes.iter().enumerate() {
-        if i > 0 {
-            text.push(',');
-        }
-        if let Some(index) = index {
-            write_expression(text, index);
-        }
-    }
-    text.push(']');
-}
-
-fn write_expression(text: &mut String, expression: &Expression) {
-    use ExpressionKind::*;
-    match &expression.kind {
-        Integer(value) if *value < 0 => text.push_str(&format!("'H{:X}'", *value as u32)),
-        Integer(value) => text.push_str(&value.to_string()),
-        Real(value) => {
-            let mut number = format!("{value:?}");
-            if !number.contains(['.', 'e']) {
-                number.push_str(".0");
-            }
-            text.push_str(&number);
-        }
-        Text(value) => {
-            text.push('"');
-            text.push_str(value);
-            text.push('"');
-        }
-        Bool(value) => text.push_str(if *value { "TRUE" } else { "FALSE" }),
-        Constant(name) => {
-            text.push('#');
-            text.push_str(&name.text);
-        }
-        Name(name) => text.push_str(name),
-        Field(inner, name) => {
-            write_expression(text, inner);
-            text.push('.');
-            text.push_str(&name.text);
-        }
-        Index(inner, indexes) => {
-            write_expression(text, inner);
-            write_indexes(text, indexes);
-        }
-        Call { name, arguments } => {
-            text.push_str(&name.text);
-            write_arguments(text, arguments);
-        }
-        Aggregate { type_name, fields } => {
-            text.push('{');
-            if let Some(name) = type_name {
-                text.push_str(&name.text);
-                text.push_str(": ");
-            }
-            for (i, field) in fields.iter().enumerate() {
-                if i > 0 {
-                    text.push_str(", ");
-                }
-                text.push_str(&field.name.text);
-                if field.whole {
-                    text.push_str("[]");
-                }
-                text.push(' ');
-                write_expression(text, &field.value);
-            }
-            text.push('}');
-        }
-        Group(inner) => {
-            text.push('(');
-            write_expression(text, inner);
-            text.push(')');
-        }
-        Negate(inner) => {
-            text.push('-');
-            write_expression(text, inner);
-        }
-        Not(inner) => {
-            text.push_str("NOT ");
-            write_expression(text, inner);
-        }
-        BitNot(inner) => {
-            text.push_str("B_NOT ");
-            write_expression(text, inner);
-        }
-        Binary(operator, left, right) => {
-            write_expression(text, left);
-            text.push(' ');
-            text.push_str(operator.text());
-            text.push(' ');
-            write_expression(text, right);
-        }
-        Broken => text.push('?'),
     }
 }

@@ -5,7 +5,9 @@ use super::lexer::Token;
 use super::parser::Parser;
 use super::tree::*;
 
-impl Parser<'_> {
+type Reader<'a> = fn(&mut Parser<'a>, Span) -> Option<StatementKind>;
+
+impl<'a> Parser<'a> {
     pub(super) fn statement(&mut self) -> Statement {
         let begin = self.span();
         let first = self.position();
@@ -41,8 +43,9 @@ impl Parser<'_> {
             return None;
         };
         let word = word.to_lowercase();
-        if let Some(kind) = self.control(&word, begin) {
-            return kind;
+        if let Some(read) = self.control(&word) {
+            self.advance();
+            return read(self, begin);
         }
         if let Some((_, word)) = MoveWord::ALL
             .iter()
@@ -61,9 +64,9 @@ impl Parser<'_> {
         self.call_or_assignment()
     }
 
-    /// Statements that begin with a word of their own; `None` for others.
-    fn control(&mut self, word: &str, begin: Span) -> Option<Option<StatementKind>> {
-        let read: fn(&mut Self, Span) -> Option<StatementKind> = match word {
+    /// What reads a statement that begins with a word of its own, behind that word.
+    fn control(&self, word: &str) -> Option<Reader<'a>> {
+        let read: Reader<'a> = match word {
             "if" => Self::if_statement,
             "for" => Self::for_statement,
             "while" => Self::while_statement,
@@ -94,10 +97,7 @@ impl Parser<'_> {
             "trigger" => Self::trigger,
             _ => return None,
         };
-        if word != "global" {
-            self.advance();
-        }
-        Some(read(self, begin))
+        Some(read)
     }
 
     fn refused(&mut self, word: &str) -> StatementKind {

@@ -346,8 +346,8 @@ impl System for FakeSystem {
     }
 
     fn joints(&self) -> JointPositions {
-        let over = self.moves.iter().filter(|m| m.end <= self.clock());
-        over.last()
+        let mut over = self.moves.iter().filter(|m| m.end <= self.clock());
+        over.next_back()
             .map_or(JointPositions::zeros(self.joint_count), |m| m.to)
     }
 

@@ -153,3 +153,10 @@ fn an_error_in_the_routine_stops_the_program() {
     let trace = run_with(&[(50, "$IN[1]", 1.0)], &source);
     assert!(trace[0].contains("division by zero"), "{trace:?}");
 }
+
+#[test]
+fn a_condition_without_an_end_is_told() {
+    let source = "DEF main( )\nINTERRUPT DECL 5 WHEN ever( ) DO main( )\nINTERRUPT ON 5\nWAIT SEC 0.1\nEND\nDEFFCT BOOL ever( )\nLOOP\nENDLOOP\nRETURN TRUE\nENDFCT";
+    let trace = run_files(&[("main.src", source)]);
+    assert!(trace[0].contains("takes too long"), "{trace:?}");
+}

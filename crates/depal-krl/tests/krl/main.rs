@@ -1,5 +1,6 @@
 //! KRL programs against a fake cabinet.
 
+mod cabinet;
 mod diagnostics;
 mod failures;
 mod fake_system;

@@ -269,3 +269,17 @@ fn the_turn_of_a_position_chooses_the_solution() {
         system.trace
     );
 }
+
+#[test]
+fn inline_forms_take_their_settings_from_the_data_of_the_point() {
+    let data = "DEFDAT main\nDECL E6POS XP1={X 10.0,Y 20.0,Z 30.0,A 0.0,B 0.0,C 0.0}\nDECL FDAT FP1={TOOL_NO 2,BASE_NO 0,IPO_FRAME #BASE,POINT2[] \" \",TQ_STATE FALSE}\nDECL PDAT PP={VEL 100.0,ACC 50.0,APO_DIST 100.0}\nDECL LDAT LP={VEL 2.0,ACC 50.0,APO_DIST 20.0}\nENDDAT";
+    let source = "DEF main( )\nTOOL_DATA[2] = {Z 100.0}\nSPTP XP1 WITH $VEL_AXIS[1] = SVEL_JOINT(30.0), $TOOL = STOOL2(FP1), $BASE = SBASE(FP1.BASE_NO), $IPO_MODE = SIPO_MODE(FP1.IPO_FRAME), $LOAD = SLOAD(FP1.TOOL_NO), $ACC_AXIS[1] = SACC_JOINT(PP), $APO = SAPO_PTP(PP), $GEAR_JERK[1] = SGEAR_JERK(PP), $COLLMON_TOL_PRO[1] = USE_CM_PRO_VALUES(0)\nSLIN {Z 130.0} WITH $VEL = SVEL_CP(0.5, , LP), $ACC = SACC_CP(LP), $ORI_TYPE = SORI_TYP(LP), $APO = SAPO(LP), $JERK = SJERK(LP) C_SPL\nSLIN {Z 300.0}\nEND";
+    let trace = run_files(&[("main.src", source), ("main.dat", data)]);
+    let bare = bare(&trace);
+    assert!(
+        bare[0].contains("tcp 10 20 30") && bare[0].contains("0.30 of the joints"),
+        "{bare:?}"
+    );
+    assert!(bare[1].contains("0.500 m/s fly 20.0"), "{bare:?}");
+    assert!(bare[2].contains("3.000 m/s fine"), "{bare:?}");
+}

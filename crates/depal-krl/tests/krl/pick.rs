@@ -5,7 +5,7 @@ use depal_vm::execution::Step;
 
 use crate::fake_system::*;
 
-const SOURCE: &str = r#"&ACCESS RVP
+pub const SOURCE: &str = r#"&ACCESS RVP
 &REL 12
 &PARAM TEMPLATE = C:\KRC\Roboter\Template\vorgabe
 DEF main( )
@@ -52,6 +52,8 @@ END
 
 DEFFCT BOOL sealed(most:IN)
   DECL REAL most
+  ; The timer begins when the arm is there, not when the program is.
+  WAIT SEC 0
   $TIMER[1] = 0
   $TIMER_STOP[1] = FALSE
   WHILE NOT vacuum_ok
@@ -74,7 +76,7 @@ DEF place(n:IN)
 END
 "#;
 
-const DATA: &str = r#"&ACCESS RVP
+pub const DATA: &str = r"&ACCESS RVP
 DEFDAT main
 DECL FRAME gripper={X 0.0,Y 0.0,Z 150.0,A 0.0,B 0.0,C 0.0}
 DECL FRAME stack={X 1200.0,Y -300.0,Z 100.0,A 0.0,B 0.0,C 180.0}
@@ -83,7 +85,7 @@ DECL BOOL picked=FALSE
 SIGNAL vacuum $OUT[1]
 SIGNAL vacuum_ok $IN[1]
 ENDDAT
-"#;
+";
 
 fn run_cell(changes: &[(u64, f64)]) -> (Vec<String>, Step) {
     let mut system = FakeSystem::default();

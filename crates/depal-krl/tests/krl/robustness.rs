@@ -120,8 +120,10 @@ fn throw(text: &str) {
     let Some(program) = loaded.program else {
         return;
     };
-    let mut system = FakeSystem::default();
-    system.signals = added.into_iter().map(|s| (s.name, 0.0)).collect();
+    let mut system = FakeSystem {
+        signals: added.into_iter().map(|s| (s.name, 0.0)).collect(),
+        ..FakeSystem::default()
+    };
     let mut machine = Machine::new(program, "T_ROB1");
     for _ in 0..2000 {
         match machine.step(&mut system) {
@@ -175,11 +177,11 @@ fn mutated() -> impl Strategy<Value = String> {
                     let line = lines[at].clone();
                     lines.insert(at, line);
                 }
-                2 => lines[at] = word.to_owned(),
+                2 => word.clone_into(&mut lines[at]),
                 _ => {
                     let mut words: Vec<_> = lines[at].split(' ').map(str::to_owned).collect();
                     let place = word.len() % words.len();
-                    words[place] = word.to_owned();
+                    word.clone_into(&mut words[place]);
                     lines[at] = words.join(" ");
                 }
             }
@@ -229,10 +231,11 @@ fn deep_and_long_texts() {
         "-".repeat(5000)
     ));
     throw(&format!("DEF main( )\na{} = 1\nEND", ".b".repeat(5000)));
-    let structures: String = (1..60)
-        .map(|i| format!("STRUC S{i} S{} a, S{} b\n", i - 1, i - 1))
+    let structures: Vec<_> = (1..60)
+        .map(|i| format!("STRUC S{i} S{} a, S{} b", i - 1, i - 1))
         .collect();
+    let structures = structures.join("\n");
     throw(&format!(
-        "DEF main( )\nSTRUC S0 INT x\n{structures}DECL S59 q\nEND"
+        "DEF main( )\nSTRUC S0 INT x\n{structures}\nDECL S59 q\nEND"
     ));
 }

@@ -94,7 +94,8 @@ fn timers_count_milliseconds_while_they_run() {
 }
 
 #[test]
-fn flags_are_kept() {
+fn flags_are_kept_and_begin_as_false() {
+    assert_eq!(shown("DECL BOOL b", "b = $FLAG[7]", "b"), "FALSE");
     assert_eq!(
         shown("DECL BOOL b", "$FLAG[873] = TRUE\nb = $FLAG[873]", "b"),
         "TRUE"

@@ -6,6 +6,9 @@ use crate::memory::{Interrupt, Interrupts, Memory, Trigger};
 use crate::system::System;
 use crate::{MachineFault, Value};
 
+/// Most operations of a condition.
+const CONDITION_LIMIT: u32 = 100_000;
+
 impl Machine {
     /// Looks at what orders interrupts, and queues those whose time has come.
     /// A condition that cannot be computed ends the program.
@@ -47,7 +50,17 @@ impl Machine {
         let height = self.memory.frames.len();
         self.push_frame(routine, Vec::new());
         self.frame().line = program.routines[routine as usize].line;
+        let mut operations = 0;
         while self.memory.frames.len() > height {
+            operations += 1;
+            if operations > CONDITION_LIMIT {
+                let message = "the condition of an interrupt takes too long".into();
+                let error = (program.rules.raise)(&MachineFault::Argument { message });
+                if let Flow::End(step) = self.handle(error, true) {
+                    return Err(step);
+                }
+                return Ok(false);
+            }
             let frame = self.frame();
             let code = &program.routines[frame.routine as usize].code;
             let Some(op) = code.get(frame.pc as usize) else {
