@@ -91,7 +91,7 @@ impl Compiler<'_> {
                 self.call_builtin("not", 1, true);
             }
             ExprKind::Binary(operator, left, right) => {
-                self.binary(*operator, left, right, expr.span)
+                self.binary(*operator, left, right, expr.span);
             }
             ExprKind::Function(function, arguments) => {
                 let at = Function::TABLE.iter().position(|(_, f, _)| f == function);

@@ -113,7 +113,7 @@ struct Compiler<'a> {
     program: usize,
 }
 
-impl<'a> Compiler<'a> {
+impl Compiler<'_> {
     fn error(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
     }

@@ -72,12 +72,12 @@ impl Compiler<'_> {
             (&options.tool_offset, state::TOOL_OFFSET),
         ] {
             match offset {
-                None => self.absent(),
-                Some(Some(index)) => {
+                OffsetBy::Nothing => self.absent(),
+                OffsetBy::Register(index) => {
                     self.amount(index);
                     self.call_builtin("pr get", 1, true);
                 }
-                Some(None) => {
+                OffsetBy::Condition => {
                     self.emit(Op::Push(Value::Int(which as i64)));
                 }
             }

@@ -17,18 +17,7 @@ impl Compiler<'_> {
             | Statement::Label(_)
             | Statement::Nothing(_) => {}
             Statement::Action(action) => self.action(action, span),
-            Statement::Run(call) => {
-                let name = match &call.callee {
-                    Callee::Name(name) => name.text.clone(),
-                    Callee::Register(_) => "SR[...]".into(),
-                };
-                self.error(
-                    Diagnostic::warning("TP0291", span, format!("RUN {name} is not simulated"))
-                        .help("the program stops with an error when it gets here"),
-                );
-                self.push_text(name);
-                self.call_builtin("run", 1, false);
-            }
+            Statement::Run(call) => self.run(call, span),
             Statement::If(condition, action) => {
                 self.condition(condition);
                 let skip = self.emit(Op::JumpIfFalse(0));
@@ -65,16 +54,19 @@ impl Compiler<'_> {
                 self.case(value, action, span);
             }
             Statement::Case { value, action } => self.case(value, action, span),
-            Statement::CaseElse(action) => match self.body.select.is_some() {
-                true => self.action(action, span),
-                false => self.stray(span, "ELSE", "SELECT"),
-            },
+            Statement::CaseElse(action) => {
+                if self.body.select.is_some() {
+                    self.action(action, span);
+                } else {
+                    self.stray(span, "ELSE", "SELECT");
+                }
+            }
             Statement::WaitSeconds(seconds) => {
                 self.amount(seconds);
                 self.call_builtin("wait", 1, false);
             }
             Statement::WaitUntil { condition, timeout } => {
-                self.wait_until(condition, timeout.as_ref())
+                self.wait_until(condition, timeout.as_ref());
             }
             Statement::Motion(motion) => self.motion(motion),
             Statement::SkipCondition(condition) => {
@@ -388,6 +380,24 @@ impl Compiler<'_> {
             Callee::Name(name) => self.call_by_name(name, &call.arguments),
             Callee::Register(index) => self.call_by_register(index, &call.arguments),
         }
+    }
+
+    /// A program that runs beside this one.
+    fn run(&mut self, call: &Call, span: Span) {
+        let Callee::Name(name) = &call.callee else {
+            self.refuse(span, "RUN SR[...]");
+            return;
+        };
+        let key = name.text.to_uppercase();
+        let Some(routine) = self.programs.get(&key).copied() else {
+            self.call_by_name(name, &[]);
+            return;
+        };
+        self.push_number(f64::from(routine));
+        for argument in &call.arguments {
+            self.value(argument);
+        }
+        self.call_builtin("run", call.arguments.len() as u32 + 1, false);
     }
 
     fn call_by_name(&mut self, name: &Name, arguments: &[Expr]) {

@@ -140,10 +140,16 @@ impl Reader<'_> {
                     self.diagnostics.push(missing_prog(span));
                 }
             }
-            _ => self.diagnostics.push(
-                Diagnostic::error("TP0103", span, format!("there is no section /{word}"))
-                    .help("sections are /PROG, /ATTR, /APPL, /MN, /POS and /END"),
-            ),
+            _ => {
+                // What belongs to it is not read.
+                if self.section != Section::Outside {
+                    self.section = Section::Heading;
+                }
+                self.diagnostics.push(
+                    Diagnostic::error("TP0103", span, format!("there is no section /{word}"))
+                        .help("sections are /PROG, /ATTR, /APPL, /MN, /POS and /END"),
+                );
+            }
         }
     }
 
@@ -155,7 +161,7 @@ impl Reader<'_> {
             && let Some(listing) = self.listings.last_mut()
         {
             let value = value.trim().trim_end_matches(';').trim();
-            listing.comment = value.trim_matches('"').to_owned();
+            value.trim_matches('"').clone_into(&mut listing.comment);
         }
     }
 
@@ -258,7 +264,13 @@ impl Reader<'_> {
         let Some(pending) = self.pending.take() else {
             return;
         };
-        if !pending.is_ended {
+        // A quote that is open has eaten the end.
+        let is_eaten = |d: &Diagnostic| {
+            d.code == "TP0002"
+                && d.primary.span.start >= pending.span.start
+                && d.primary.span.end <= pending.span.end
+        };
+        if !pending.is_ended && !self.diagnostics.iter().any(is_eaten) {
             self.diagnostics.push(
                 Diagnostic::error("TP0101", pending.span, "the line has no ; at its end").help(
                     "a line that goes on in the next one has no ; and the next one begins with :",
