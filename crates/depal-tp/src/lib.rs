@@ -51,4 +51,4 @@ pub use loading::{Loaded, check, check_syntax, decode, load, normal_form};
 pub use options::{ByteOrder, GroupOutput, Options, PresetError, parse_preset};
 pub use registers::{decimal, written_registers};
 pub use signals::{SignalKind, SignalUse, signals_used};
-pub use tasks::Tasks;
+pub use tasks::{RegisterView, Tasks};

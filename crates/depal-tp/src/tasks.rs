@@ -1,13 +1,33 @@
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use depal_vm::execution::{RobotTask, RuntimeError, Step};
 use depal_vm::system::{ProgramLocation, System};
 use depal_vm::{Machine, Memory, Program, Value};
 
+use crate::registers::written_registers;
 use crate::state;
 
 /// Most programs that run side by side.
 const MOST: usize = 32;
+
+/// The registers of a [`Tasks`] that was given away, as they stood when it last waited or ended.
+#[derive(Debug, Clone, Default)]
+pub struct RegisterView {
+    written: Arc<Mutex<Vec<(u32, f64)>>>,
+}
+
+impl RegisterView {
+    /// As [`written_registers`].
+    pub fn written_registers(&self) -> Vec<(u32, f64)> {
+        let written = self.written.lock();
+        written.unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn show(&self, memory: &Memory) {
+        let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        *written = written_registers(memory);
+    }
+}
 
 /// A program, and those that it starts with RUN. They take turns, a statement each, and share all registers.
 ///
@@ -24,6 +44,7 @@ pub struct Tasks {
     /// Requests of RUN that have been done.
     started: usize,
     ended: Option<Step>,
+    view: Option<RegisterView>,
 }
 
 #[derive(Debug, Clone)]
@@ -46,7 +67,15 @@ impl Tasks {
             turn: 0,
             started: 0,
             ended: None,
+            view: None,
         }
+    }
+
+    /// A view of the registers that stays when the tasks are given to a cabinet.
+    pub fn view(&mut self) -> RegisterView {
+        let view = self.view.get_or_insert_default().clone();
+        view.show(self.memory());
+        view
     }
 
     /// The registers, for [`written_registers`](crate::written_registers).
@@ -142,8 +171,8 @@ impl Tasks {
     }
 }
 
-impl RobotTask for Tasks {
-    fn step(&mut self, system: &mut dyn System) -> Step {
+impl Tasks {
+    fn advance(&mut self, system: &mut dyn System) -> Step {
         if let Some(step) = &self.ended {
             return step.clone();
         }
@@ -174,6 +203,18 @@ impl RobotTask for Tasks {
             }
         }
         Step::Blocked
+    }
+}
+
+impl RobotTask for Tasks {
+    fn step(&mut self, system: &mut dyn System) -> Step {
+        let step = self.advance(system);
+        if step != Step::Ran
+            && let Some(view) = &self.view
+        {
+            view.show(self.memory());
+        }
+        step
     }
 
     fn location(&self) -> ProgramLocation {
