@@ -28,7 +28,9 @@
 //!
 //! Limitations: one motion group, no external axes; of several joint
 //! solutions the nearest is taken whatever CONFIG says; CNT is a corner whose size grows with the speed;
-//! instructions behind a CNT move run while the arm is still on its way; MONITOR, edges (ON+), circle arcs,
+//! behind a CNT move registers are worked out ahead of the arm, constant outputs are switched in the corner, and
+//! everything else that touches the world (other outputs, inputs, waits, timers, vision calls) first lets the arm come
+//! to the target; MONITOR, edges (ON+), circle arcs,
 //! remote TCP and software options such as tracking are refused.
 //!
 //! Not affiliated with any vendor; TP is a language of FANUC.

@@ -15,7 +15,11 @@ use crate::errors::{error, interpreter, mismatch, uninitialized};
 use crate::position::{Position, arm_from_shown, shown_from_arm};
 use crate::state;
 
-pub(super) const ENTRIES: [Entry; 5] = [
+/// The move whose corner the program has not passed yet, in the modal settings of its machine.
+const CORNER: &str = "move that ends in a corner";
+
+pub(super) const ENTRIES: [Entry; 6] = [
+    ("settle", settle),
     ("move", start),
     ("move over", move_over),
     ("move wait", move_wait),
@@ -406,6 +410,11 @@ fn start(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
             Poll::Ready(Err(fault)) => return Err(context.system_fault(fault)),
         };
         let waits = context.value(argument::WAITS)? == Some(&Value::Bool(true));
+        if request.zone != MoveZone::Fine && waits {
+            context.memory.modal.insert(CORNER, id.0 as f64);
+        } else {
+            context.memory.modal.remove(CORNER);
+        }
         if request.zone != MoveZone::Fine || !waits {
             return answer(Value::Int(id.0 as i64));
         }
@@ -417,6 +426,22 @@ fn start(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let id = *id;
     match system.is_move_done(MoveId(id as u64)) {
         Ok(true) => answer(Value::Int(id)),
+        Ok(false) => Ok(Outcome::Blocked),
+        Err(fault) => Err(context.system_fault(fault)),
+    }
+}
+
+/// Waits until the arm has passed the corner of the last CNT move: what touches the world beside the arm comes after
+/// it, while registers are reckoned with ahead of the arm.
+fn settle(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let Some(id) = context.memory.modal.get(CORNER) else {
+        return done();
+    };
+    match system.is_move_done(MoveId(*id as u64)) {
+        Ok(true) => {
+            context.memory.modal.remove(CORNER);
+            done()
+        }
         Ok(false) => Ok(Outcome::Blocked),
         Err(fault) => Err(context.system_fault(fault)),
     }

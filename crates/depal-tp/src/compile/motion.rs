@@ -9,6 +9,7 @@ use crate::syntax::tree::*;
 
 impl Compiler<'_> {
     pub(super) fn motion(&mut self, motion: &Motion) {
+        let in_corner = std::mem::take(&mut self.body.in_corner);
         let options = &motion.options;
         if options.remote_tcp {
             self.refuse(motion.span, "RTCP");
@@ -84,7 +85,7 @@ impl Compiler<'_> {
         }
         self.emit(Op::Push(Value::Bool(options.incremental)));
         self.emit(Op::Push(Value::Bool(waits)));
-        for along in outputs {
+        for along in outputs.into_iter().chain(&in_corner) {
             let Some((item, value)) = output(along) else {
                 continue;
             };

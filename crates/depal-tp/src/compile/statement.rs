@@ -62,6 +62,7 @@ impl Compiler<'_> {
                 }
             }
             Statement::WaitSeconds(seconds) => {
+                self.settle();
                 self.amount(seconds);
                 self.call_builtin("wait", 1, false);
             }
@@ -102,10 +103,12 @@ impl Compiler<'_> {
                 self.call_builtin("number set", 2, false);
             }
             Statement::UserAlarm(index) => {
+                self.settle();
                 self.amount(index);
                 self.call_builtin("alarm", 1, false);
             }
             Statement::Message(text) => {
+                self.settle();
                 self.push_text(text.clone());
                 self.call_builtin("message", 1, false);
             }
@@ -159,6 +162,7 @@ impl Compiler<'_> {
                     self.error(Diagnostic::error("TP0213", span, message));
                     return;
                 }
+                self.settle();
                 self.push_text(item.kind.name());
                 for index in &item.indexes {
                     self.amount(index);
@@ -170,6 +174,7 @@ impl Compiler<'_> {
                 self.call_builtin("signal pulse", 3, false);
             }
             Change::TimerStart | Change::TimerStop | Change::TimerReset => {
+                self.settle();
                 for index in &item.indexes {
                     self.amount(index);
                 }
@@ -350,6 +355,7 @@ impl Compiler<'_> {
     }
 
     fn wait_until(&mut self, condition: &Expr, timeout: Option<&Expr>) {
+        self.settle();
         self.emit(Op::WaitBegin);
         let again = self.here();
         self.condition(condition);
@@ -434,6 +440,7 @@ impl Compiler<'_> {
                 );
                 return;
             }
+            self.settle();
             for argument in arguments {
                 self.value(argument);
             }
@@ -478,6 +485,7 @@ impl Compiler<'_> {
                 continue;
             }
             let next = self.is_named(held, call.name);
+            self.settle();
             for argument in arguments {
                 self.value(argument);
             }

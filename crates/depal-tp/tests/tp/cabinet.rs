@@ -135,6 +135,23 @@ fn a_skip_stops_the_arm_on_its_way() {
 }
 
 #[test]
+fn a_corner_before_an_input_is_reached() {
+    let lines = [
+        "PR[1]=LPOS",
+        "PR[1,3]=PR[1,3]-100",
+        "L PR[1] 200mm/sec CNT100",
+        "R[1]=DI[1]",
+        "PR[2]=LPOS",
+        "R[2]=(ABS[PR[2,3]-PR[1,3]]<.01)",
+    ];
+    let (registers, state, ..) = run(with_arm(), &listing(&lines, ""));
+    assert_eq!(
+        (registers.as_str(), state),
+        ("R[1]=0 R[2]=1", ControllerState::Finished)
+    );
+}
+
+#[test]
 fn the_arm_of_the_scene_moves_and_tells_where_it_is() {
     let lines = [
         "PR[1]=JPOS",
