@@ -175,16 +175,18 @@ impl Reader<'_> {
         let after = body[digits..].trim_start();
         let colon_at = body.len() - after.len();
         let has_colon = after.starts_with(':');
-        if has_colon && digits == 0 {
-            // A continuation.
-            let begin = body_start + colon_at + 1;
-            self.continue_line(begin, start + line.len());
+        let continues =
+            has_colon && digits == 0 && self.pending.as_ref().is_some_and(|p| !p.is_ended);
+        if continues {
+            self.add(body_start + colon_at + 1, start + line.len());
             return;
         }
+        // A colon without a number begins a line, too, where none is open: listings of other tools.
         self.flush();
         let last = self.listings.last().and_then(|l| l.lines.last());
         let following = last.map_or(1, |line| line.number.saturating_add(1));
         let (number, begin) = if has_colon {
+            // Without digits this is no number either.
             let number = body[..digits].parse().unwrap_or(following);
             (number, body_start + colon_at + 1)
         } else {
@@ -221,18 +223,6 @@ impl Reader<'_> {
             is_ended: false,
         });
         self.add(begin, end);
-    }
-
-    fn continue_line(&mut self, begin: usize, end: usize) {
-        let span = self.trimmed_span(begin, end);
-        match &self.pending {
-            Some(pending) if !pending.is_ended => self.add(begin, end),
-            _ => self.diagnostics.push(Diagnostic::error(
-                "TP0104",
-                span,
-                "this continues a line, but the line before has ended with ;",
-            )),
-        }
     }
 
     fn trimmed_span(&self, begin: usize, end: usize) -> Span {

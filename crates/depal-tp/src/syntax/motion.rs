@@ -156,6 +156,9 @@ impl Cursor<'_> {
             options.acceleration = Some(value);
             return Ok(());
         }
+        if let Some(_speed_of_process) = self.glued("PSPD")? {
+            return Ok(());
+        }
         let when = match keyword.as_str() {
             "TB" => Some(AlongWhen::TimeBefore),
             "TA" => Some(AlongWhen::TimeAfter),

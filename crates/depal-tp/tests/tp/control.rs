@@ -312,6 +312,14 @@ fn comments_and_empty_lines_do_nothing() {
 }
 
 #[test]
+fn lines_without_numbers() {
+    let text = "/PROG MAIN\n/ATTR\n/APPL\n\nAUTO_SINGULARITY_HEADER;\n  ENABLE_SINGULARITY_AVOIDANCE   : FALSE;\n/MN\n : R[1:foo]=1 ;\n :  ;\n : IF (R[1]=1 AND\n :  !DI[1]),R[2]=5 ;\nR[3]=6 ;\n/POS\n/END\n";
+    assert_eq!(run_text(text).registers.join(" "), "R[1]=1 R[2]=5 R[3]=6");
+    let left = run_text("/PROG MAIN\n/MN\n : R[1]=1 ;\n : R[1]=1/0 ;\n/POS\n/END\n");
+    assert_eq!(left.end, "MAIN/MAIN:2: INTP: Divide by zero: 1 / 0");
+}
+
+#[test]
 fn german_keywords() {
     let main = program(
         "MAIN",
