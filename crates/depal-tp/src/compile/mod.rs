@@ -1,5 +1,6 @@
 //! Listings to routines of the machine.
 
+mod call;
 mod expression;
 mod motion;
 mod routine;
