@@ -1,7 +1,7 @@
 //! FANUC TP listings (`.ls`): lexer, parser, checks, lowering, instructions and the vision calls.
 //!
 //! [`load`] turns the listings of a task into a [`Program`](depal_vm::Program) for the
-//! [`Machine`](depal_vm::Machine); [`check`] does the same without an entry.
+//! [`Machine`](depal_vm::Machine), or for [`Tasks`], which run what RUN starts as well; [`check`] does the same without an entry.
 //! All errors of all files come at once, as [`Diagnostic`](depal_vm::Diagnostic)s with their places.
 //! Every program of a listing is a routine of the same name; a line in a message is the number in the listing.
 //! After a run, [`written_registers`] tells the numeric registers that the program wrote.
@@ -26,9 +26,11 @@
 //! Signals go by their names in the listing: `DO[1]`, `GI[2]`. Flags and markers are the program's own memory.
 //! The vision calls `MM_...` are there unless a listing of the same name is loaded.
 //!
-//! Limitations: one task (RUN is refused when it comes), one motion group, no external axes; of several joint
+//! Limitations: one motion group, no external axes; of several joint
 //! solutions the nearest is taken whatever CONFIG says; CNT is a corner whose size grows with the speed;
-//! instructions behind a CNT move run while the arm is still on its way; MONITOR, edges (ON+), circle arcs,
+//! behind a CNT move registers are worked out ahead of the arm, constant outputs are switched in the corner, and
+//! everything else that touches the world (other outputs, inputs, waits, timers, vision calls) first lets the arm come
+//! to the target; MONITOR, edges (ON+), circle arcs,
 //! remote TCP and software options such as tracking are refused.
 //!
 //! Not affiliated with any vendor; TP is a language of FANUC.
@@ -44,9 +46,11 @@ mod registers;
 mod signals;
 mod state;
 mod syntax;
+mod tasks;
 
 pub use builtins::built_in_names;
 pub use loading::{Loaded, check, check_syntax, decode, load, normal_form};
-pub use options::{ByteOrder, GroupOutput, Options};
+pub use options::{ByteOrder, GroupOutput, Options, PresetError, parse_preset};
 pub use registers::{decimal, written_registers};
 pub use signals::{SignalKind, SignalUse, signals_used};
+pub use tasks::{RegisterView, Tasks};

@@ -48,3 +48,38 @@ impl Default for Options {
         }
     }
 }
+
+/// Why a preset of a register is not one.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PresetError {
+    /// Not of the form `number=value`.
+    #[error("expected number=value (1=0), found {found:?}")]
+    Form {
+        /// As given.
+        found: String,
+    },
+    /// No such register.
+    #[error("there is no R[{number}]; R[1] to R[{most}] are there")]
+    Number {
+        /// As given.
+        number: u32,
+        /// The last register.
+        most: u32,
+    },
+}
+
+/// Reads a preset of a numeric register, `1=0` or `12=-2.5`.
+pub fn parse_preset(text: &str) -> Result<(u32, f64), PresetError> {
+    let form = || PresetError::Form { found: text.into() };
+    let (number, value) = text.split_once('=').ok_or_else(form)?;
+    let number: u32 = number.trim().parse().map_err(|_| form())?;
+    let value: f64 = value.trim().parse().map_err(|_| form())?;
+    if !value.is_finite() {
+        return Err(form());
+    }
+    let most = crate::state::REGISTERS;
+    if number == 0 || number > most {
+        return Err(PresetError::Number { number, most });
+    }
+    Ok((number, value))
+}

@@ -87,11 +87,27 @@ impl Position {
     }
 }
 
-/// x, y, z in mm and W, P, R in degrees; no zero with a sign.
+/// Whole numbers without the noise of the last digits, and no zero with a sign.
+fn without_noise(value: f64) -> f64 {
+    let whole = value.round();
+    if (value - whole).abs() < 1e-9 {
+        whole + 0.0
+    } else {
+        value
+    }
+}
+
+/// x, y, z in mm and W, P, R in degrees; half a turn is 180, not -180.
 pub(crate) fn shown_pose(pose: &Pose) -> [f64; 6] {
-    EulerConvention::FanucWpr
+    let mut values = EulerConvention::FanucWpr
         .mm_deg_from_pose(pose)
-        .map(|v| v + 0.0)
+        .map(without_noise);
+    for angle in &mut values[3..] {
+        if *angle == -180.0 {
+            *angle = 180.0;
+        }
+    }
+    values
 }
 
 /// Axes of the arm (radians, each against the link before) from those the controller shows (degrees).
@@ -119,5 +135,5 @@ pub(crate) fn shown_from_arm(joints: &JointPositions, is_coupled: bool) -> [f64;
     if is_coupled && joints.len() >= 6 {
         shown[2] -= shown[1];
     }
-    shown
+    shown.map(without_noise)
 }

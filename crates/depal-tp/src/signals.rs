@@ -56,7 +56,7 @@ fn statement(statement: &Statement, found: &mut Found) {
             action(a, found);
         }
         Statement::IfThen(e) | Statement::WaitSeconds(e) | Statement::SkipCondition(e) => {
-            expression(e, found)
+            expression(e, found);
         }
         Statement::For { from, to, .. } => {
             expression(from, found);

@@ -25,8 +25,10 @@ pub(crate) const LINK: u32 = 12;
 pub(crate) const LIST: u32 = 13;
 pub(crate) const DO_LIST: u32 = 14;
 pub(crate) const SETTINGS: u32 = 15;
+/// Programs that RUN has asked for: index of the routine, then its arguments.
+pub(crate) const STARTS: u32 = 16;
 /// Positions of the programs come from here on.
-pub(crate) const COUNT: u32 = 16;
+pub(crate) const COUNT: u32 = 17;
 
 const NAMES: [&str; COUNT as usize] = [
     "R",
@@ -45,6 +47,7 @@ const NAMES: [&str; COUNT as usize] = [
     "vision points",
     "vision outputs",
     "settings",
+    "starts",
 ];
 
 /// In [`NUMBERS`].
@@ -121,6 +124,7 @@ pub(crate) fn initial(options: &Options) -> (Vec<Value>, Vec<String>) {
             Value::Bool(options.byte_order == ByteOrder::BigEndian),
             Value::Array(groups.collect()),
         ]),
+        Value::Array(Vec::new()),
     ];
     (values, NAMES.map(str::to_owned).to_vec())
 }

@@ -66,11 +66,13 @@ fn missing_program(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     ))
 }
 
+/// Asks for a program to be run beside this one: its routine, then the arguments.
 fn run(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
-    let name = context.string(0)?;
-    Err(interpreter(format!(
-        "Unimplemented TP instruction: RUN {name}; this controller runs one task"
-    )))
+    let start = Value::Array(context.arguments.clone());
+    if let Some(items) = state::items_mut(context.memory, state::STARTS) {
+        items.push(start);
+    }
+    done()
 }
 
 /// Keeps a value of OFFSET CONDITION, TOOL_OFFSET CONDITION or SKIP CONDITION.

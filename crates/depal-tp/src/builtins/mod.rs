@@ -1,6 +1,7 @@
 //! The instructions that the machine calls.
 
 mod control;
+mod goal;
 mod motion;
 mod operators;
 mod positions;

@@ -91,7 +91,7 @@ impl Compiler<'_> {
                 self.call_builtin("not", 1, true);
             }
             ExprKind::Binary(operator, left, right) => {
-                self.binary(*operator, left, right, expr.span)
+                self.binary(*operator, left, right, expr.span);
             }
             ExprKind::Function(function, arguments) => {
                 let at = Function::TABLE.iter().position(|(_, f, _)| f == function);
@@ -202,6 +202,7 @@ impl Compiler<'_> {
                 self.call_builtin("bit get", 2, true);
             }
             ItemKind::Timer | ItemKind::TimerOverflow => {
+                self.settle();
                 self.indexes(item);
                 self.call_builtin("timer get", 1, true);
             }
@@ -214,13 +215,20 @@ impl Compiler<'_> {
                 self.push_number(number_slot(item.kind) as f64);
                 self.call_builtin("number get", 1, true);
             }
-            ItemKind::Lpos => self.call_builtin("lpos", 0, true),
-            ItemKind::Jpos => self.call_builtin("jpos", 0, true),
+            ItemKind::Lpos => {
+                self.settle();
+                self.call_builtin("lpos", 0, true);
+            }
+            ItemKind::Jpos => {
+                self.settle();
+                self.call_builtin("jpos", 0, true);
+            }
             ItemKind::System => {
                 self.push_text(item.path.clone());
                 self.call_builtin("system get", 1, true);
             }
             _ => {
+                self.settle();
                 self.push_text(item.kind.name());
                 self.indexes(item);
                 self.call_builtin("signal get", 2, true);
@@ -252,7 +260,10 @@ impl Compiler<'_> {
                 begin = 1;
                 "bit set"
             }
-            ItemKind::Timer => "timer set",
+            ItemKind::Timer => {
+                self.settle();
+                "timer set"
+            }
             ItemKind::Uframe | ItemKind::Utool => {
                 self.push_number(f64::from(frame_slot(item.kind)));
                 begin = 1;
@@ -274,6 +285,7 @@ impl Compiler<'_> {
             | ItemKind::Ao
             | ItemKind::So
             | ItemKind::Uo => {
+                self.settle();
                 self.push_text(item.kind.name());
                 begin = 1;
                 "signal set"

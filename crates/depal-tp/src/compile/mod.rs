@@ -1,11 +1,12 @@
 //! Listings to routines of the machine.
 
+mod call;
 mod expression;
 mod motion;
 mod routine;
 mod statement;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use depal_vm::{Builtin, Diagnostic, LanguageRules, Op, Program, Routine, Span, Value};
 
@@ -13,7 +14,7 @@ use crate::Options;
 use crate::builtins::table;
 use crate::errors;
 use crate::state;
-use crate::syntax::tree::{Expr, Listing, Name, Statement};
+use crate::syntax::tree::{Along, Expr, Listing, Name, Statement};
 
 /// Most calls inside each other.
 const RECURSION_LIMIT: usize = 200;
@@ -36,6 +37,7 @@ pub(crate) fn compile(
         diagnostics,
         body: Body::default(),
         program: 0,
+        has_groups: !options.groups.is_empty(),
     };
     compiler.headings();
     let routines = (0..listings.len())
@@ -95,6 +97,10 @@ struct Body {
     blocks: Vec<Block>,
     /// The select whose cases may still come: its subject's local, and the jumps to its end.
     select: Option<(u32, Vec<usize>)>,
+    /// Outputs behind a CNT move that are switched in its corner.
+    in_corner: Vec<Along>,
+    /// Lines that have been taken for them.
+    taken: BTreeSet<usize>,
     /// Where the statement began whose `next` is still open.
     statement: Option<usize>,
 }
@@ -112,9 +118,11 @@ struct Compiler<'a> {
     body: Body,
     /// Index of the listing being lowered.
     program: usize,
+    /// Whether digital outputs may be bits of another signal.
+    has_groups: bool,
 }
 
-impl<'a> Compiler<'a> {
+impl Compiler<'_> {
     fn error(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
     }
@@ -222,6 +230,11 @@ impl<'a> Compiler<'a> {
             arguments,
             result,
         });
+    }
+
+    /// What follows touches the world: the arm must have passed the corner of the move before.
+    fn settle(&mut self) {
+        self.call_builtin("settle", 0, false);
     }
 
     fn push_number(&mut self, value: f64) {

@@ -9,6 +9,7 @@ use crate::syntax::tree::*;
 
 impl Compiler<'_> {
     pub(super) fn motion(&mut self, motion: &Motion) {
+        let in_corner = std::mem::take(&mut self.body.in_corner);
         let options = &motion.options;
         if options.remote_tcp {
             self.refuse(motion.span, "RTCP");
@@ -72,19 +73,19 @@ impl Compiler<'_> {
             (&options.tool_offset, state::TOOL_OFFSET),
         ] {
             match offset {
-                None => self.absent(),
-                Some(Some(index)) => {
+                OffsetBy::Nothing => self.absent(),
+                OffsetBy::Register(index) => {
                     self.amount(index);
                     self.call_builtin("pr get", 1, true);
                 }
-                Some(None) => {
+                OffsetBy::Condition => {
                     self.emit(Op::Push(Value::Int(which as i64)));
                 }
             }
         }
         self.emit(Op::Push(Value::Bool(options.incremental)));
         self.emit(Op::Push(Value::Bool(waits)));
-        for along in outputs {
+        for along in outputs.into_iter().chain(&in_corner) {
             let Some((item, value)) = output(along) else {
                 continue;
             };

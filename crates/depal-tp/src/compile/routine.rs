@@ -17,7 +17,13 @@ impl Compiler<'_> {
             ..Body::default()
         };
         self.collect_labels(listing);
-        for line in &listing.lines {
+        for (at, line) in listing.lines.iter().enumerate() {
+            if self.body.taken.contains(&at) {
+                self.end_select();
+                self.begin_statement(line.number);
+                continue;
+            }
+            self.look_ahead(&listing.lines, at);
             self.line(line);
         }
         self.end_select();
@@ -54,6 +60,53 @@ impl Compiler<'_> {
                 self.body.labels.insert(number, (u32::MAX, line.span));
             }
         }
+    }
+
+    /// Constant outputs right behind a CNT move are switched in its corner, and the arm does not stop for them.
+    fn look_ahead(&mut self, lines: &[Line], at: usize) {
+        let Statement::Motion(motion) = &lines[at].statement else {
+            return;
+        };
+        let is_corner = matches!(motion.termination, Termination::Continuous(_));
+        if !is_corner || motion.options.skip.is_some() || motion.options.block {
+            return;
+        }
+        for (index, line) in lines.iter().enumerate().skip(at + 1) {
+            match &line.statement {
+                Statement::Comment(_) | Statement::Empty => {}
+                Statement::Action(action) if self.is_constant_output(action) => {
+                    self.body.taken.insert(index);
+                    self.body.in_corner.push(Along {
+                        when: AlongWhen::DistanceBefore,
+                        amount: Expr {
+                            kind: ExprKind::Number {
+                                value: 0.0,
+                                is_real: true,
+                            },
+                            span: line.span,
+                        },
+                        action: action.clone(),
+                        span: line.span,
+                    });
+                }
+                _ => break,
+            }
+        }
+    }
+
+    fn is_constant_output(&self, action: &Action) -> bool {
+        let Action::Assign(item, Change::Value(value)) = action else {
+            return false;
+        };
+        let is_number = |e: &Expr| matches!(e.kind, ExprKind::Number { .. });
+        let fits = match item.kind {
+            ItemKind::Do | ItemKind::Ro => {
+                matches!(value.kind, ExprKind::Switch(_)) && !self.has_groups
+            }
+            ItemKind::Go | ItemKind::Ao => is_number(value),
+            _ => false,
+        };
+        fits && item.indexes.len() == 1 && item.indexes.iter().all(is_number)
     }
 
     fn line(&mut self, line: &Line) {

@@ -3,7 +3,7 @@
 use depal_vm::{Diagnostic, Op, Span, Value};
 
 use super::expression::Known;
-use super::routine::{ARGUMENTS, equal, row};
+use super::routine::{equal, row};
 use super::{Block, Compiler};
 use crate::state;
 use crate::syntax::tree::*;
@@ -17,18 +17,7 @@ impl Compiler<'_> {
             | Statement::Label(_)
             | Statement::Nothing(_) => {}
             Statement::Action(action) => self.action(action, span),
-            Statement::Run(call) => {
-                let name = match &call.callee {
-                    Callee::Name(name) => name.text.clone(),
-                    Callee::Register(_) => "SR[...]".into(),
-                };
-                self.error(
-                    Diagnostic::warning("TP0291", span, format!("RUN {name} is not simulated"))
-                        .help("the program stops with an error when it gets here"),
-                );
-                self.push_text(name);
-                self.call_builtin("run", 1, false);
-            }
+            Statement::Run(call) => self.run(call, span),
             Statement::If(condition, action) => {
                 self.condition(condition);
                 let skip = self.emit(Op::JumpIfFalse(0));
@@ -65,16 +54,20 @@ impl Compiler<'_> {
                 self.case(value, action, span);
             }
             Statement::Case { value, action } => self.case(value, action, span),
-            Statement::CaseElse(action) => match self.body.select.is_some() {
-                true => self.action(action, span),
-                false => self.stray(span, "ELSE", "SELECT"),
-            },
+            Statement::CaseElse(action) => {
+                if self.body.select.is_some() {
+                    self.action(action, span);
+                } else {
+                    self.stray(span, "ELSE", "SELECT");
+                }
+            }
             Statement::WaitSeconds(seconds) => {
+                self.settle();
                 self.amount(seconds);
                 self.call_builtin("wait", 1, false);
             }
             Statement::WaitUntil { condition, timeout } => {
-                self.wait_until(condition, timeout.as_ref())
+                self.wait_until(condition, timeout.as_ref());
             }
             Statement::Motion(motion) => self.motion(motion),
             Statement::SkipCondition(condition) => {
@@ -110,10 +103,12 @@ impl Compiler<'_> {
                 self.call_builtin("number set", 2, false);
             }
             Statement::UserAlarm(index) => {
+                self.settle();
                 self.amount(index);
                 self.call_builtin("alarm", 1, false);
             }
             Statement::Message(text) => {
+                self.settle();
                 self.push_text(text.clone());
                 self.call_builtin("message", 1, false);
             }
@@ -167,6 +162,7 @@ impl Compiler<'_> {
                     self.error(Diagnostic::error("TP0213", span, message));
                     return;
                 }
+                self.settle();
                 self.push_text(item.kind.name());
                 for index in &item.indexes {
                     self.amount(index);
@@ -178,6 +174,7 @@ impl Compiler<'_> {
                 self.call_builtin("signal pulse", 3, false);
             }
             Change::TimerStart | Change::TimerStop | Change::TimerReset => {
+                self.settle();
                 for index in &item.indexes {
                     self.amount(index);
                 }
@@ -358,6 +355,7 @@ impl Compiler<'_> {
     }
 
     fn wait_until(&mut self, condition: &Expr, timeout: Option<&Expr>) {
+        self.settle();
         self.emit(Op::WaitBegin);
         let again = self.here();
         self.condition(condition);
@@ -373,119 +371,5 @@ impl Compiler<'_> {
         }
         self.emit(Op::Block(again));
         self.land(end);
-    }
-
-    pub(super) fn call(&mut self, call: &Call, span: Span) {
-        if call.arguments.len() > ARGUMENTS + 1 {
-            let message = format!(
-                "{} arguments are given; a program takes at most {ARGUMENTS}",
-                call.arguments.len()
-            );
-            self.error(Diagnostic::error("TP0230", span, message));
-            return;
-        }
-        match &call.callee {
-            Callee::Name(name) => self.call_by_name(name, &call.arguments),
-            Callee::Register(index) => self.call_by_register(index, &call.arguments),
-        }
-    }
-
-    fn call_by_name(&mut self, name: &Name, arguments: &[Expr]) {
-        let key = name.text.to_uppercase();
-        if let Some(routine) = self.programs.get(&key).copied() {
-            for argument in arguments {
-                self.value(argument);
-            }
-            self.emit(Op::Call {
-                routine,
-                arguments: arguments.len() as u32,
-            });
-            return;
-        }
-        if let Some(call) = crate::mm::CALLS
-            .iter()
-            .find(|c| c.name.eq_ignore_ascii_case(&key))
-        {
-            let wanted = call.parameters.len();
-            // A status register behind the others is that of newer versions.
-            if arguments.len() != wanted && arguments.len() != wanted + 1 {
-                let message = format!(
-                    "{} takes {wanted} arguments, or {} with a status register, {} are given",
-                    call.name,
-                    wanted + 1,
-                    arguments.len()
-                );
-                self.error(
-                    Diagnostic::error("TP0231", name.span, message).help(format!(
-                        "{}({})",
-                        call.name,
-                        call.parameters.join(",")
-                    )),
-                );
-                return;
-            }
-            for argument in arguments {
-                self.value(argument);
-            }
-            self.call_builtin(call.name, arguments.len() as u32, false);
-            return;
-        }
-        let message = format!("there is no program {}", name.text);
-        let mut message = Diagnostic::warning("TP0232", name.span, message)
-            .label("the program stops with an error when it gets here");
-        if let Some(near) = self.near_program(&key) {
-            message = message.help(format!("did you mean {near}?"));
-        }
-        self.error(message);
-        self.push_text(name.text.clone());
-        self.call_builtin("missing program", 1, false);
-    }
-
-    /// The register is compared with the name of each program.
-    fn call_by_register(&mut self, index: &Expr, arguments: &[Expr]) {
-        let held = self.new_local();
-        self.amount(index);
-        self.call_builtin("sr get", 1, true);
-        self.emit(Op::SetLocal(held));
-        let mut ends = Vec::new();
-        let programs: Vec<(String, u32)> =
-            self.programs.iter().map(|(n, r)| (n.clone(), *r)).collect();
-        for (name, routine) in programs {
-            let next = self.is_named(held, &name);
-            for argument in arguments {
-                self.value(argument);
-            }
-            self.emit(Op::Call {
-                routine,
-                arguments: arguments.len() as u32,
-            });
-            ends.push(self.emit(Op::Jump(0)));
-            self.land(next);
-        }
-        for call in crate::mm::CALLS {
-            let wanted = call.parameters.len();
-            if arguments.len() != wanted && arguments.len() != wanted + 1 {
-                continue;
-            }
-            let next = self.is_named(held, call.name);
-            for argument in arguments {
-                self.value(argument);
-            }
-            self.call_builtin(call.name, arguments.len() as u32, false);
-            ends.push(self.emit(Op::Jump(0)));
-            self.land(next);
-        }
-        self.emit(Op::LoadLocal(held));
-        self.call_builtin("missing program", 1, false);
-        for end in ends {
-            self.land(end);
-        }
-    }
-
-    fn is_named(&mut self, held: u32, name: &str) -> usize {
-        self.emit(Op::LoadLocal(held));
-        self.push_text(name);
-        self.call_builtin("name is", 2, true);
-        self.emit(Op::JumpIfFalse(0))
     }
 }

@@ -274,15 +274,15 @@ impl Cursor<'_> {
                     }
                 }
             }
-            path.push_str(&format!("[{}]", parts.join(",")));
+            path.push('[');
+            path.push_str(&parts.join(","));
+            path.push(']');
             if let Some(Kind::Word(rest)) = self.peek()
                 && rest.starts_with('$')
             {
                 path.push('.');
                 path.push_str(&rest.to_uppercase());
                 self.advance();
-            } else if self.is_dot_word() {
-                break;
             }
         }
         let span = span.to(self.last_span());
@@ -305,10 +305,6 @@ impl Cursor<'_> {
             indexes,
             span,
         })
-    }
-
-    fn is_dot_word(&self) -> bool {
-        false
     }
 
     /// `[...]` with expressions, without groups.

@@ -104,7 +104,7 @@ impl Lexer<'_> {
                 self.take_while(|c| c == '*');
                 self.push(Kind::Stars, start);
             } else if let Some(symbol) = SYMBOLS.iter().find(|s| self.rest().starts_with(**s)) {
-                self.symbol(symbol);
+                self.symbol(symbol, diagnostics);
             } else {
                 self.at += c.len_utf8();
                 if !complained {
@@ -187,14 +187,22 @@ impl Lexer<'_> {
         self.push(Kind::Text(text), start);
     }
 
-    fn symbol(&mut self, symbol: &'static str) {
+    fn symbol(&mut self, symbol: &'static str, diagnostics: &mut Vec<Diagnostic>) {
         let start = self.at;
         // `PR[GP1:5]` names a motion group; any other colon in brackets begins a comment.
         if symbol == ":" && self.depth > 0 {
             let group = matches!(self.tokens.last(), Some(Token { kind: Kind::Word(word), .. })
                 if is_group(word));
             if group {
-                self.tokens.pop();
+                if let Some(Token {
+                    kind: Kind::Word(word),
+                    span,
+                }) = self.tokens.pop()
+                    && !word.ends_with(['P', 'p', '1'])
+                {
+                    let message = format!("{word}: there is one motion group, GP1");
+                    diagnostics.push(Diagnostic::error("TP0003", span, message));
+                }
                 self.at += 1;
             } else {
                 self.take_while(|c| c != ']' && c != '\n' && c != '\r');

@@ -140,10 +140,16 @@ impl Reader<'_> {
                     self.diagnostics.push(missing_prog(span));
                 }
             }
-            _ => self.diagnostics.push(
-                Diagnostic::error("TP0103", span, format!("there is no section /{word}"))
-                    .help("sections are /PROG, /ATTR, /APPL, /MN, /POS and /END"),
-            ),
+            _ => {
+                // What belongs to it is not read.
+                if self.section != Section::Outside {
+                    self.section = Section::Heading;
+                }
+                self.diagnostics.push(
+                    Diagnostic::error("TP0103", span, format!("there is no section /{word}"))
+                        .help("sections are /PROG, /ATTR, /APPL, /MN, /POS and /END"),
+                );
+            }
         }
     }
 
@@ -155,7 +161,7 @@ impl Reader<'_> {
             && let Some(listing) = self.listings.last_mut()
         {
             let value = value.trim().trim_end_matches(';').trim();
-            listing.comment = value.trim_matches('"').to_owned();
+            value.trim_matches('"').clone_into(&mut listing.comment);
         }
     }
 
@@ -169,16 +175,18 @@ impl Reader<'_> {
         let after = body[digits..].trim_start();
         let colon_at = body.len() - after.len();
         let has_colon = after.starts_with(':');
-        if has_colon && digits == 0 {
-            // A continuation.
-            let begin = body_start + colon_at + 1;
-            self.continue_line(begin, start + line.len());
+        let continues =
+            has_colon && digits == 0 && self.pending.as_ref().is_some_and(|p| !p.is_ended);
+        if continues {
+            self.add(body_start + colon_at + 1, start + line.len());
             return;
         }
+        // A colon without a number begins a line, too, where none is open: listings of other tools.
         self.flush();
         let last = self.listings.last().and_then(|l| l.lines.last());
         let following = last.map_or(1, |line| line.number.saturating_add(1));
         let (number, begin) = if has_colon {
+            // Without digits this is no number either.
             let number = body[..digits].parse().unwrap_or(following);
             (number, body_start + colon_at + 1)
         } else {
@@ -217,18 +225,6 @@ impl Reader<'_> {
         self.add(begin, end);
     }
 
-    fn continue_line(&mut self, begin: usize, end: usize) {
-        let span = self.trimmed_span(begin, end);
-        match &self.pending {
-            Some(pending) if !pending.is_ended => self.add(begin, end),
-            _ => self.diagnostics.push(Diagnostic::error(
-                "TP0104",
-                span,
-                "this continues a line, but the line before has ended with ;",
-            )),
-        }
-    }
-
     fn trimmed_span(&self, begin: usize, end: usize) -> Span {
         let text = &self.text[begin..end];
         let lead = text.len() - text.trim_start().len();
@@ -258,7 +254,13 @@ impl Reader<'_> {
         let Some(pending) = self.pending.take() else {
             return;
         };
-        if !pending.is_ended {
+        // A quote that is open has eaten the end.
+        let is_eaten = |d: &Diagnostic| {
+            d.code == "TP0002"
+                && d.primary.span.start >= pending.span.start
+                && d.primary.span.end <= pending.span.end
+        };
+        if !pending.is_ended && !self.diagnostics.iter().any(is_eaten) {
             self.diagnostics.push(
                 Diagnostic::error("TP0101", pending.span, "the line has no ; at its end").help(
                     "a line that goes on in the next one has no ; and the next one begins with :",

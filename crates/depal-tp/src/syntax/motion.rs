@@ -93,9 +93,10 @@ impl Cursor<'_> {
             return Ok((Some(value), SpeedUnit::Percent));
         }
         let first = self.keyword();
-        let second = match self.is_symbol_at(1, "/") {
-            true => self.keyword_at(2),
-            false => String::new(),
+        let second = if self.is_symbol_at(1, "/") {
+            self.keyword_at(2)
+        } else {
+            String::new()
         };
         let unit = match (first.as_str(), second.as_str()) {
             ("MM", "SEC" | "S") => SpeedUnit::MmPerSec,
@@ -155,6 +156,9 @@ impl Cursor<'_> {
             options.acceleration = Some(value);
             return Ok(());
         }
+        if let Some(_speed_of_process) = self.glued("PSPD")? {
+            return Ok(());
+        }
         let when = match keyword.as_str() {
             "TB" => Some(AlongWhen::TimeBefore),
             "TA" => Some(AlongWhen::TimeAfter),
@@ -177,15 +181,15 @@ impl Cursor<'_> {
         match keyword.as_str() {
             "OFFSET" | "TOOL_OFFSET" => {
                 self.advance();
-                let mut register = None;
+                let mut offset = OffsetBy::Condition;
                 if self.is_symbol(",") && self.keyword_at(1) == "PR" {
                     self.advance();
-                    register = Some(self.register(ItemKind::Pr)?);
+                    offset = OffsetBy::Register(self.register(ItemKind::Pr)?);
                 }
                 if keyword == "OFFSET" {
-                    options.offset = Some(register);
+                    options.offset = offset;
                 } else {
-                    options.tool_offset = Some(register);
+                    options.tool_offset = offset;
                 }
             }
             "INC" => {

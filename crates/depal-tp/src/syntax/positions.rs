@@ -27,7 +27,8 @@ pub(super) fn positions(
 /// On to the next `P[`.
 fn recover(cursor: &mut Cursor<'_>) {
     cursor.advance();
-    while !cursor.is_at_end() && !(cursor.keyword() == "P" && cursor.is_symbol_at(1, "[")) {
+    let begins = |cursor: &Cursor<'_>| cursor.keyword() == "P" && cursor.is_symbol_at(1, "[");
+    while !cursor.is_at_end() && !begins(cursor) {
         cursor.advance();
     }
 }

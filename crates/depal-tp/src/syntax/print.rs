@@ -29,15 +29,17 @@ pub(crate) fn print(listing: &Listing) -> String {
         if !position.is_joint {
             let _ = write!(out, "\tCONFIG : '{}',", position.config);
         }
-        let (names, first_unit) = match position.is_joint {
-            true => (["J1", "J2", "J3", "J4", "J5", "J6"], "deg"),
-            false => (["X", "Y", "Z", "W", "P", "R"], "mm"),
+        let (names, first_unit) = if position.is_joint {
+            (["J1", "J2", "J3", "J4", "J5", "J6"], "deg")
+        } else {
+            (["X", "Y", "Z", "W", "P", "R"], "mm")
         };
         for (index, (name, value)) in names.iter().zip(position.values).enumerate() {
             let unit = if index < 3 { first_unit } else { "deg" };
-            let value = match value.is_finite() {
-                true => real(value, true),
-                false => "********".to_owned(),
+            let value = if value.is_finite() {
+                real(value, true)
+            } else {
+                "********".to_owned()
             };
             let comma = if index < 5 { "," } else { "" };
             let _ = write!(out, "\n\t{name} = {value} {unit}{comma}");
@@ -197,11 +199,11 @@ fn motion(motion: &Motion) -> String {
         ("Tool_Offset", &options.tool_offset),
     ] {
         match offset {
-            None => {}
-            Some(None) => {
+            OffsetBy::Nothing => {}
+            OffsetBy::Condition => {
                 let _ = write!(out, " {name}");
             }
-            Some(Some(index)) => {
+            OffsetBy::Register(index) => {
                 let _ = write!(out, " {name},PR[{}]", expression(index, 1));
             }
         }

@@ -103,9 +103,10 @@ impl Cursor<'_> {
                 self.advance();
                 self.advance();
                 let offset = self.register(ItemKind::Pr)?;
-                let frame = match self.accept(",") {
-                    true => Some(self.register(ItemKind::Uframe)?),
-                    false => None,
+                let frame = if self.accept(",") {
+                    Some(self.register(ItemKind::Uframe)?)
+                } else {
+                    None
                 };
                 Statement::OffsetCondition { offset, frame }
             }
@@ -113,9 +114,10 @@ impl Cursor<'_> {
                 self.advance();
                 self.advance();
                 let offset = self.register(ItemKind::Pr)?;
-                let tool = match self.accept(",") {
-                    true => Some(self.register(ItemKind::Utool)?),
-                    false => None,
+                let tool = if self.accept(",") {
+                    Some(self.register(ItemKind::Utool)?)
+                } else {
+                    None
                 };
                 Statement::ToolOffsetCondition { offset, tool }
             }
@@ -248,17 +250,15 @@ impl Cursor<'_> {
         let span = self.span();
         let item = self.item()?;
         let mut indexes = item.indexes.into_iter();
-        match (item.kind == kind, indexes.next(), indexes.next()) {
-            (true, Some(index), None) => Ok(index),
-            _ => {
-                let name = kind.name();
-                self.fail(Diagnostic::error(
-                    "TP0019",
-                    span,
-                    format!("expected {name}[...] here"),
-                ))
-            }
+        if let (true, Some(index), None) = (item.kind == kind, indexes.next(), indexes.next()) {
+            return Ok(index);
         }
+        let name = kind.name();
+        self.fail(Diagnostic::error(
+            "TP0019",
+            span,
+            format!("expected {name}[...] here"),
+        ))
     }
 
     pub fn action(&mut self) -> Parsed<Action> {

@@ -274,12 +274,22 @@ pub(crate) enum AlongWhen {
     DistanceBefore,
 }
 
+/// What a target is moved by.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) enum OffsetBy {
+    #[default]
+    Nothing,
+    /// `Offset`: the register of the condition.
+    Condition,
+    /// `Offset,PR[]`.
+    Register(Expr),
+}
+
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct MotionOptions {
     pub acceleration: Option<Expr>,
-    /// `Offset,PR[]`; `Some(None)` is `Offset` alone.
-    pub offset: Option<Option<Expr>>,
-    pub tool_offset: Option<Option<Expr>>,
+    pub offset: OffsetBy,
+    pub tool_offset: OffsetBy,
     pub incremental: bool,
     pub skip: Option<Expr>,
     /// `Skip,LBL[],PR[]=LPOS`: where to keep the place.

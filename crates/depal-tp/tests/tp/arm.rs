@@ -19,8 +19,8 @@ fn flange(shown: [f64; 6]) -> Pose {
         .split(", ")
         .map(|v| v.parse().expect("a number"))
         .collect();
-    let arm = Arm::from_urdf(URDF).expect("a good description");
-    arm.forward(&JointPositions::from_degrees(&degrees))
+    let arm = Arm::from_urdf_uniform(URDF, "tool0", 3.0).expect("a good description");
+    arm.base_from_flange(&JointPositions::from_degrees(&degrees))
 }
 
 #[test]

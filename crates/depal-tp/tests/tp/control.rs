@@ -225,16 +225,76 @@ fn messages_and_alarms() {
     assert_eq!(left.end, "MAIN/MAIN:2: INTP: User alarm UALM[3]");
 }
 
+fn two(main: &[&str], sub: &[&str]) -> Left {
+    let texts = [program("MAIN", main, ""), program("SUB", sub, "")];
+    run_all(&texts, &depal_tp::Options::default(), FakeSystem::default())
+}
+
 #[test]
-fn a_second_task_is_refused_when_it_comes() {
-    let left = lines(&["R[1]=1", "RUN OTHER", "R[1]=2"]);
-    assert!(
-        left.end
-            .starts_with("MAIN/MAIN:2: INTP: Unimplemented TP instruction: RUN OTHER"),
-        "{}",
-        left.end
+fn programs_that_run_side_by_side_share_the_registers() {
+    let left = two(
+        &[
+            "RUN SUB(7)",
+            "WAIT R[2]",
+            "WAIT (R[3]=1) TIMEOUT,LBL[1]",
+            "R[4]=R[5]",
+            "F[1]=(ON)",
+            "END",
+            "LBL[1]",
+            "R[9]=1",
+        ],
+        &[
+            "WAIT .50(sec)",
+            "R[5]=AR[1]",
+            "R[3]=1",
+            "WAIT (F[1])",
+            "R[6]=1",
+        ],
     );
-    assert_eq!(left.registers, ["R[1]=1"]);
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[3]=1 R[4]=7 R[5]=7 R[6]=1")
+    );
+    // One that asks the clock all the time does not stop the other.
+    let left = two(
+        &["RUN SUB", "LBL[1]", "IF R[1]<5,JMP LBL[1]"],
+        &["FOR R[1]=1 TO 5", "WAIT .10(sec)", "ENDFOR"],
+    );
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[1]=5")
+    );
+}
+
+#[test]
+fn a_started_program_ends_alone_unless_it_fails() {
+    let left = two(
+        &["RUN SUB", "WAIT .10(sec)", "R[1]=1"],
+        &["R[2]=1", "ABORT"],
+    );
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[1]=1 R[2]=1")
+    );
+    let left = two(&["RUN SUB", "WAIT .10(sec)", "R[1]=1"], &["R[2]=1/0"]);
+    assert_eq!(
+        (left.end.as_str(), left.registers.len()),
+        ("SUB/SUB:1: INTP: Divide by zero: 1 / 0", 0)
+    );
+    let left = two(&["RUN SUB", "ABORT"], &["WAIT .10(sec)", "R[1]=1"]);
+    assert_eq!(
+        (left.end.as_str(), left.registers.len()),
+        ("stopped: ABORT", 0)
+    );
+    let left = two(&["RUN SUB", "RUN SUB"], &["WAIT .10(sec)"]);
+    assert_eq!(
+        left.end,
+        "MAIN/MAIN:2: INTP: Program is already running: RUN SUB"
+    );
+    assert_eq!(
+        lines(&["RUN OTHER"]).end,
+        "MAIN/MAIN:1: MEMO: Program does not exist: OTHER"
+    );
 }
 
 #[test]
@@ -249,6 +309,14 @@ fn comments_and_empty_lines_do_nothing() {
         ]),
         "R[4]=4"
     );
+}
+
+#[test]
+fn lines_without_numbers() {
+    let text = "/PROG MAIN\n/ATTR\n/APPL\n\nAUTO_SINGULARITY_HEADER;\n  ENABLE_SINGULARITY_AVOIDANCE   : FALSE;\n/MN\n : R[1:foo]=1 ;\n :  ;\n : IF (R[1]=1 AND\n :  !DI[1]),R[2]=5 ;\nR[3]=6 ;\n/POS\n/END\n";
+    assert_eq!(run_text(text).registers.join(" "), "R[1]=1 R[2]=5 R[3]=6");
+    let left = run_text("/PROG MAIN\n/MN\n : R[1]=1 ;\n : R[1]=1/0 ;\n/POS\n/END\n");
+    assert_eq!(left.end, "MAIN/MAIN:2: INTP: Divide by zero: 1 / 0");
 }
 
 #[test]
@@ -280,4 +348,17 @@ fn german_keywords() {
         (left.end.as_str(), left.registers.join(" ").as_str()),
         ("", "R[1]=5 R[3]=6")
     );
+}
+
+#[test]
+fn german_moves_with_a_block_of_lines() {
+    let text = "/PROG  MAIN\n/ATTR\nKOMMENTAR\t= \"Tomar\";\nPROG_GRÖßE\t= 7800;\n/MN\n   1:  BENUTZER_NUM=0 ;\n   2:  TRAGLST[2] ;\n   3:J P[1] 100% CNT0 ACC100 ZEIT VOR    .10sek,P-SPS    ;\n      1:  FB-PSPS (AN) ;\n      2:  A[1]=(AUS) ;\n      3:  i[1]=7 ;\n       ------ ;\n   4:L P[1] 400mm/sek FINE ;\n/POS\n".to_owned()
+        + &taught(1, [1.0, 2.0, 3.0, 0.0, 0.0, 0.0])
+        + "/END\n";
+    let left = run_text(&text);
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[1]=7")
+    );
+    assert_eq!(left.trace.len(), 3);
 }

@@ -6,10 +6,10 @@ use std::task::Poll;
 
 use depal_frames::{JointPositions, Pose};
 use depal_time::{SimDuration, SimTime, TICK};
-use depal_tp::{Options, decimal, load, written_registers};
+use depal_tp::{Options, Tasks, decimal, load, written_registers};
+use depal_vm::SourceFile;
 use depal_vm::execution::{RobotTask, Step};
 use depal_vm::system::*;
-use depal_vm::{Machine, SourceFile};
 
 pub struct FakeSystem {
     pub now: SimTime,
@@ -71,9 +71,10 @@ pub fn listing(lines: &[&str], positions: &str) -> String {
 }
 
 pub fn program(name: &str, lines: &[&str], positions: &str) -> String {
+    use std::fmt::Write;
     let mut text = format!("/PROG  {name}\n/ATTR\n/MN\n");
     for (index, line) in lines.iter().enumerate() {
-        text.push_str(&format!("{:4}:  {line} ;\n", index + 1));
+        writeln!(text, "{:4}:  {line} ;", index + 1).expect("writing to a string works");
     }
     text + "/POS\n" + positions + "/END\n"
 }
@@ -86,7 +87,7 @@ pub fn taught(number: u32, values: [f64; 6]) -> String {
     )
 }
 
-pub fn machine_with(texts: &[String], options: &Options) -> Machine {
+pub fn machine_with(texts: &[String], options: &Options) -> Tasks {
     let sources: Vec<_> = texts
         .iter()
         .map(|t| SourceFile::new("TEST.LS", t.clone()))
@@ -100,11 +101,7 @@ pub fn machine_with(texts: &[String], options: &Options) -> Machine {
     let program = loaded
         .program
         .unwrap_or_else(|| panic!("{}", shown.join("\n")));
-    Machine::new(program, "TP")
-}
-
-pub fn machine(text: &str) -> Machine {
-    machine_with(&[text.to_owned()], &Options::default())
+    Tasks::new(program, "TP")
 }
 
 /// What a run left behind.
@@ -167,7 +164,7 @@ pub fn registers(text: &[&str]) -> String {
 }
 
 /// Runs to the end, at most 1000 simulated seconds.
-pub fn run(machine: &mut Machine, system: &mut FakeSystem) -> Step {
+pub fn run(machine: &mut Tasks, system: &mut FakeSystem) -> Step {
     loop {
         match machine.step(system) {
             Step::Ran => system.now += SimDuration::from_micros(20),

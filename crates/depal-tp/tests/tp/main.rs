@@ -1,6 +1,7 @@
 //! Programs, diagnostics and the vision calls, against a cabinet that writes down what is asked of it.
 
 mod arm;
+mod cabinet;
 mod control;
 mod diagnostics;
 mod fake_system;

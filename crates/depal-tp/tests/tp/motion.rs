@@ -195,6 +195,52 @@ fn outputs_along_the_way() {
 }
 
 #[test]
+fn outputs_behind_a_corner_are_switched_in_it() {
+    let trace = moves(&[
+        "L P[1] 100mm/sec CNT100",
+        "DO[1]=ON",
+        "!and a number",
+        "GO[1]=5",
+        "R[1]=1",
+        "L P[2] 100mm/sec FINE",
+        "DO[2]=ON",
+    ]);
+    let short: Vec<_> = trace
+        .iter()
+        .map(|t| t.split(" lead").next().unwrap_or_default())
+        .collect();
+    assert_eq!(
+        short[..2],
+        [
+            "0.000 DO[1] = 1 BeforeEnd(0.0)",
+            "0.000 GO[1] = 5 BeforeEnd(0.0)"
+        ]
+    );
+    assert!(
+        short[2].contains("line 1") && short[3].starts_with("0.000 line 6"),
+        "{short:?}"
+    );
+    assert_eq!(short[4], "0.200 DO[2] = 1");
+}
+
+#[test]
+fn what_touches_the_world_comes_after_the_corner() {
+    let trace = moves(&[
+        "L P[1] 100mm/sec CNT100",
+        "R[1]=1",
+        "DO[R[1]]=ON",
+        "L P[2] 100mm/sec CNT100",
+        "R[2]=DI[1]",
+        "DO[2]=ON",
+    ]);
+    assert_eq!(trace[1], "0.100 DO[1] = 1");
+    assert_eq!(trace[3], "0.204 DO[2] = 1");
+    // A wait is counted from there.
+    let text = ["L P[1] 100mm/sec CNT100", "WAIT .50(sec)", "DO[1]=ON"];
+    assert_eq!(moves(&text)[1], "0.600 DO[1] = 1");
+}
+
+#[test]
 fn skip_goes_to_the_label_unless_the_condition_comes_true() {
     let text = [
         "SKIP CONDITION DI[1]=ON",

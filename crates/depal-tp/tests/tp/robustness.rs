@@ -1,8 +1,8 @@
 //! Nothing that is read or run makes it panic; a printed listing is the same program.
 
-use depal_tp::{Options, load, normal_form};
+use depal_tp::{Options, Tasks, load, normal_form};
+use depal_vm::SourceFile;
 use depal_vm::execution::{RobotTask, Step};
-use depal_vm::{Machine, SourceFile};
 use proptest::prelude::*;
 
 use crate::fake_system::*;
@@ -13,7 +13,8 @@ const TEXTS: [&str; 2] = [
 ];
 
 /// Lines whose normal form is compared, too.
-const LINES: [&str; 40] = [
+const LINES: [&str; 41] = [
+    "RUN SUB(R[1],2)",
     "R[1]=R[2]+3*(R[4]-1) DIV 2",
     "R[R[1]]=(-5)",
     "R[1:c]=-.5",
@@ -67,7 +68,7 @@ fn survive(text: &str) {
     let Some(program) = loaded.program else {
         return;
     };
-    let mut machine = Machine::new(program, "TP");
+    let mut machine = Tasks::new(program, "TP");
     let mut system = FakeSystem::default();
     for _ in 0..300 {
         match machine.step(&mut system) {
@@ -84,7 +85,8 @@ fn text_of(lines: &[usize]) -> String {
     all.extend(lines);
     let positions =
         taught(1, [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]) + &taught(2, [5.0, 2.5, 3.0, 10.0, 0.0, 90.0]);
-    listing(&all, &positions)
+    let sub = program("SUB", &["R[7]=AR[1]", "WAIT .10(sec)", "RUN MAIN"], "");
+    listing(&all, &positions) + &sub
 }
 
 #[test]

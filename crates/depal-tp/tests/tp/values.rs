@@ -257,3 +257,40 @@ fn functions_take_degrees() {
         "R[1]=4 R[2]=3 R[3]=0.5 R[4]=45 R[5]=2"
     );
 }
+
+#[test]
+fn presets_are_read() {
+    use depal_tp::{PresetError, parse_preset};
+    assert_eq!(parse_preset("1=0"), Ok((1, 0.0)));
+    assert_eq!(parse_preset(" 12 = -2.5"), Ok((12, -2.5)));
+    assert!(matches!(
+        parse_preset("0=1"),
+        Err(PresetError::Number { number: 0, .. })
+    ));
+    for wrong in ["", "1", "R[1]=2", "1=two", "1=inf"] {
+        assert!(
+            matches!(parse_preset(wrong), Err(PresetError::Form { .. })),
+            "{wrong}"
+        );
+    }
+}
+
+#[test]
+fn half_a_turn_is_plus_180() {
+    let mut system = FakeSystem::default();
+    let turned = depal_frames::EulerConvention::FanucWpr
+        .pose_from_mm_deg([1.0, 2.0, 3.0, -180.0, 0.0, 90.0]);
+    system.arm = Some((depal_frames::JointPositions::zeros(6), turned));
+    let text = listing(
+        &[
+            "PR[1]=LPOS",
+            "R[1]=PR[1,4]",
+            "R[2]=PR[1,5]",
+            "R[3]=PR[1,6]",
+            "R[4]=PR[1,1]",
+        ],
+        "",
+    );
+    let left = run_all(&[text], &depal_tp::Options::default(), system);
+    assert_eq!(left.registers.join(" "), "R[1]=180 R[2]=0 R[3]=90 R[4]=1");
+}

@@ -279,6 +279,21 @@ fn the_wrong_byte_order_is_noticed() {
 }
 
 #[test]
+fn the_connection_can_be_opened_again() {
+    let little = pack(ByteOrder::LittleEndian, &[Int(901), Int(1101)], 660);
+    let big = pack(ByteOrder::BigEndian, &[Int(901), Int(1101)], 660);
+    let left = scripted(
+        ByteOrder::BigEndian,
+        &["CALL MM_GET_STAT(70)", INIT, "CALL MM_GET_STAT(71)"],
+        vec![at_once(little), at_once(big)],
+    );
+    assert_eq!(
+        (left.end.as_str(), left.registers.join(" ").as_str()),
+        ("", "R[70]=3096 R[71]=1101")
+    );
+}
+
+#[test]
 fn without_a_connection() {
     let left = run_text(&listing(
         &["CALL MM_GET_STAT(70)", "CALL MM_SET_BS(1,400,300,250)"],

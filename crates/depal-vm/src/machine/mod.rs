@@ -106,6 +106,12 @@ impl Machine {
         &self.memory
     }
 
+    /// Exchanges the module data with another machine: programs of one controller that run side by side share
+    /// them, one at a time. Both must be machines of programs with the same globals.
+    pub fn exchange_globals(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.memory.globals, &mut other.memory.globals);
+    }
+
     /// The program that runs.
     pub fn program(&self) -> &Program {
         &self.program
