@@ -108,7 +108,10 @@ fn twice_as_fast_as_planned_heavy_cartons_drop() {
     let doubled = run("2");
     let picks = &doubled.outcome.score.picks;
     let lost = |reason: &Option<FailureReason>| {
-        matches!(reason, Some(FailureReason::Dropped | FailureReason::SealLost))
+        matches!(
+            reason,
+            Some(FailureReason::Dropped | FailureReason::SealLost)
+        )
     };
     let dropped = picks.iter().filter(|(_, reason)| lost(reason)).count();
     assert!(

@@ -112,7 +112,9 @@ impl PickKeeper {
         score: &mut Score,
         events: &mut Vec<EventKind>,
     ) {
-        let held = score.open_pick().map_or(Vec::new(), |pick| pick.held.clone());
+        let held = score
+            .open_pick()
+            .map_or(Vec::new(), |pick| pick.held.clone());
         for carton in held {
             let Some(found) = deviation(carton, &place) else {
                 continue;
@@ -131,7 +133,8 @@ impl PickKeeper {
                 let detail = format!(
                     "carton {carton} stands {error_mm:.0} mm and {error_deg:.1} degrees off its place"
                 );
-                pick.failure.get_or_insert((FailureReason::PlaceMissed, detail));
+                pick.failure
+                    .get_or_insert((FailureReason::PlaceMissed, detail));
             }
         }
     }
@@ -215,8 +218,17 @@ impl PickKeeper {
             carton: pick.held.first().copied(),
             cartons: pick.held,
             reason: failure.as_ref().map(|(reason, _)| *reason),
-            detail: failure
-                .map_or_else(|| if self.place.is_some() { "on its place" } else { "delivered to the belt" }.to_owned(), |(_, detail)| detail),
+            detail: failure.map_or_else(
+                || {
+                    if self.place.is_some() {
+                        "on its place"
+                    } else {
+                        "delivered to the belt"
+                    }
+                    .to_owned()
+                },
+                |(_, detail)| detail,
+            ),
             cycle_s: round(cycle.as_secs_f64(), 1e6),
         });
     }

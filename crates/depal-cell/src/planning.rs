@@ -324,9 +324,7 @@ fn refusal_meaning(refusal: &Refusal) -> (Status, FailureReason) {
                 RejectReason::NoSectionFits { .. }
                 | RejectReason::TooLittleForce { .. }
                 | RejectReason::TooHeavy { .. },
-            ) => {
-                (Status::VizBadPickPoint, FailureReason::PlanCollision)
-            }
+            ) => (Status::VizBadPickPoint, FailureReason::PlanCollision),
             Some(RejectReason::LowConfidence { .. } | RejectReason::Tilted { .. }) => {
                 (Status::VizBadPickPoint, FailureReason::PoseError)
             }

@@ -43,6 +43,10 @@ pub(crate) fn deviation(world: &World, carton: u32, world_from_place: &Pose) -> 
     let up = here.rotation * Vector::z();
     Some(Deviation {
         distance: here.translation.vector.norm(),
-        angle: long.y.abs().atan2(long.x.abs()).max(up.z.clamp(-1.0, 1.0).acos()),
+        angle: long
+            .y
+            .abs()
+            .atan2(long.x.abs())
+            .max(up.z.clamp(-1.0, 1.0).acos()),
     })
 }

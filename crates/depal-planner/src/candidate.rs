@@ -56,7 +56,8 @@ impl Candidates {
             };
             picks.sort_by_key(|group| (far_mm(group), group.members[0]));
             let grouped = picks.iter().filter(|group| group.members.len() > 1);
-            let mut again: Vec<Group> = grouped.flat_map(|g| g.members.iter().map(single)).collect();
+            let mut again: Vec<Group> =
+                grouped.flat_map(|g| g.members.iter().map(single)).collect();
             again.sort_by_key(|group| (far_mm(group), group.members[0]));
             picks.extend(again);
             layers.push(picks);

@@ -125,9 +125,8 @@ fn runs(gripper: &GripperSpec) -> Vec<(Vec<usize>, Vector)> {
         strips
     };
     let spans = |strips: &[[f64; 2]]| -> Vec<[f64; 2]> {
-        let all = (0..strips.len()).flat_map(|first| {
-            (first..strips.len()).map(move |last| [first, last])
-        });
+        let all = (0..strips.len())
+            .flat_map(|first| (first..strips.len()).map(move |last| [first, last]));
         all.map(|[first, last]| [strips[first][0], strips[last][1]])
             .collect()
     };
@@ -209,7 +208,9 @@ fn weakest_hold(
     });
     let weaker = |a: &Hold, b: &Hold| {
         let [a_bears, b_bears] = [a, b].map(|hold| hold.sideways(settings));
-        a_bears.total_cmp(&b_bears).then(a.force.total_cmp(&b.force))
+        a_bears
+            .total_cmp(&b_bears)
+            .then(a.force.total_cmp(&b.force))
     };
     holds.min_by(weaker).expect("a group has a face")
 }

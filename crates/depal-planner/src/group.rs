@@ -80,10 +80,7 @@ impl Group {
                 let x = here.rotation * Vector::x();
                 let (cos, sin) = (x.x.abs(), x.y.abs());
                 let half = [seen.size.length * 0.5, seen.size.width * 0.5];
-                let outer = [
-                    half[0] * cos + half[1] * sin,
-                    half[0] * sin + half[1] * cos,
-                ];
+                let outer = [half[0] * cos + half[1] * sin, half[0] * sin + half[1] * cos];
                 let inner = if cos >= sin {
                     [half[0] - half[1] * sin, half[1] - half[0] * sin]
                 } else {
@@ -140,7 +137,9 @@ fn rectangles(boxes: &[SeenBox], layer: &[usize], settings: &PlannerSettings) ->
     let mut found = Vec::new();
     let mut known = BTreeSet::new();
     // A box looks alike after half a turn: the grid may run either way from its corner.
-    let corners = layer.iter().flat_map(|&corner| [(corner, 1.0), (corner, -1.0)]);
+    let corners = layer
+        .iter()
+        .flat_map(|&corner| [(corner, 1.0), (corner, -1.0)]);
     for (corner, way) in corners {
         let cells = cells_from(boxes, layer, corner, way, settings);
         for columns in 1..=settings.max_group as i64 {
@@ -176,7 +175,11 @@ fn cells_from(
         let cell = (at / (side + settings.group_gap * 0.5)).round();
         let rest = at - cell * side;
         let slack = cell.abs().max(1.0);
-        let widest = if cell > 0.0 { slack * settings.group_gap } else { SAME };
+        let widest = if cell > 0.0 {
+            slack * settings.group_gap
+        } else {
+            SAME
+        };
         (cell >= 0.0 && rest >= -slack * OVERLAP && rest <= widest).then_some(cell as i64)
     };
     let mut cells = BTreeMap::new();
@@ -277,7 +280,10 @@ impl Search<'_> {
         let index = self.layer[place];
         for (number, group) in self.groups.iter().enumerate() {
             let fits = group.members.contains(&index)
-                && group.members.iter().all(|member| !self.taken.contains(member));
+                && group
+                    .members
+                    .iter()
+                    .all(|member| !self.taken.contains(member));
             if !fits {
                 continue;
             }

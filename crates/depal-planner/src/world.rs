@@ -129,7 +129,10 @@ impl World {
 
     /// Highest point of what is known of the cell within `reach` metres of a place, seen from above; none if nothing is.
     pub fn rim(&self, at: &Vector, reach: f64) -> Option<f64> {
-        let known = self.solids.iter().filter(|s| matches!(s.what, Obstacle::Known(_)));
+        let known = self
+            .solids
+            .iter()
+            .filter(|s| matches!(s.what, Obstacle::Known(_)));
         let near = known.filter_map(|s| {
             let around = s.shape.compute_aabb(&s.pose);
             let beyond = |low: f32, high: f32, at: f64| {
@@ -143,12 +146,7 @@ impl World {
     }
 
     /// What a body at `pose` meets, the first in a fixed order.
-    pub fn meets(
-        &self,
-        pose: &Pose32,
-        shape: &SharedShape,
-        without: &[usize],
-    ) -> Option<Obstacle> {
+    pub fn meets(&self, pose: &Pose32, shape: &SharedShape, without: &[usize]) -> Option<Obstacle> {
         let around = shape.compute_aabb(pose);
         self.tree
             .intersect_aabb(&around)

@@ -2,8 +2,8 @@
 
 use crate::reader::{Checker, section};
 use crate::rules::{
-    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, ListOf, Maybe, Numbers, SHARE, Text, Wholes, above, number,
-    table, whole,
+    ANGLE_DEG, COORDINATE_MM, LENGTH_MM, ListOf, Maybe, Numbers, SHARE, Text, Wholes, above,
+    number, table, whole,
 };
 
 section! {
@@ -130,14 +130,13 @@ fn check_pump(gripper: &Gripper, checker: &mut Checker<'_, '_>) {
         return;
     };
     let falls = |pair: &[[f64; 2]]| pair[0][0] < pair[1][0] && pair[0][1] >= pair[1][1];
-    let is_curve = curve.len() >= 2
-        && first[0] == 0.0
-        && last[1] == 0.0
-        && curve.windows(2).all(falls);
+    let is_curve =
+        curve.len() >= 2 && first[0] == 0.0 && last[1] == 0.0 && curve.windows(2).all(falls);
     if !is_curve {
         checker.problem(
             "pump_curve",
-            "expected two pairs or more, the vacuum rising from 0 and the flow falling to 0".to_owned(),
+            "expected two pairs or more, the vacuum rising from 0 and the flow falling to 0"
+                .to_owned(),
             None,
         );
     } else if (last[0] - gripper.rated_vacuum_kpa).abs() > 1e-9 {

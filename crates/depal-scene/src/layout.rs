@@ -141,12 +141,7 @@ struct Slack {
     up: f64,
 }
 
-fn lay_layer(
-    scene: &Scene,
-    size_mm: [f64; 3],
-    pattern: &Pattern,
-    random: &mut Draws,
-) -> Vec<Cell> {
+fn lay_layer(scene: &Scene, size_mm: [f64; 3], pattern: &Pattern, random: &mut Draws) -> Vec<Cell> {
     let gap = scene.randomize.gap_mm;
     let most_shift = scene.randomize.shift_mm;
     let yaw_limit = scene.randomize.yaw_deg.to_radians();

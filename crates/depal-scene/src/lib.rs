@@ -60,7 +60,8 @@ pub use run::{Accept, Planner, Run};
 pub use scene::{Scene, json_schema};
 pub use solid::Solid;
 pub use stack::{
-    CartonBlock, CartonPlace, Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize, SupportForm,
+    CartonBlock, CartonPlace, Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize,
+    SupportForm,
 };
 pub use text_file::TextFile;
 pub use vision::{CustomPort, ProjectOutput, Recipe, Vision, VisionProject};

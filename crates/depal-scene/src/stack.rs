@@ -139,7 +139,6 @@ impl Cartons {
             .sum();
         stacked + in_blocks + self.at.len() as u32
     }
-
 }
 
 /// Longer and shorter side of the top face, mm.
@@ -155,7 +154,11 @@ fn check_cartons(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
                 ("pattern", cartons.pattern.is_none()),
             ] {
                 if is_missing {
-                    checker.problem(key, "missing key".to_owned(), Some("or give at = [...] or block = [...]"));
+                    checker.problem(
+                        key,
+                        "missing key".to_owned(),
+                        Some("or give at = [...] or block = [...]"),
+                    );
                 }
             }
         } else if cartons.layers.is_some() || cartons.pattern.is_some() || cartons.count.is_some() {
@@ -165,7 +168,11 @@ fn check_cartons(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
                 None,
             );
         } else if !cartons.at.is_empty() && !cartons.block.is_empty() {
-            checker.problem("block", "expected either block or at, found both".to_owned(), None);
+            checker.problem(
+                "block",
+                "expected either block or at, found both".to_owned(),
+                None,
+            );
         }
         check_blocks(cartons, checker);
         check_apart(cartons, checker);
@@ -216,7 +223,9 @@ fn check_blocks(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
         if let Some(other) = cartons.block[..position].iter().position(meets) {
             checker.problem(
                 "block",
-                format!("expected blocks beside each other, found {other} and {position} in one place"),
+                format!(
+                    "expected blocks beside each other, found {other} and {position} in one place"
+                ),
                 None,
             );
         }

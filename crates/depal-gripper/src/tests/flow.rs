@@ -44,7 +44,10 @@ fn open_cups_leak_by_the_orifice_law() {
     let mut before = 40_000.0;
     for covered in [11, 9, 6, 3] {
         let (found, hand) = (settled(&spec, covered), by_hand((12 - covered) as f64));
-        assert!((found - hand).abs() < 0.01 * hand, "{covered} covered: {found} Pa, by hand {hand} Pa");
+        assert!(
+            (found - hand).abs() < 0.01 * hand,
+            "{covered} covered: {found} Pa, by hand {hand} Pa"
+        );
         assert!(found < before);
         before = found;
     }
@@ -53,17 +56,33 @@ fn open_cups_leak_by_the_orifice_law() {
 #[test]
 fn resistors_and_check_valves_keep_the_vacuum() {
     let half = |flow| settled(&with(flow), 6);
-    let plain = half(FlowSpec { orifice: 40.0e-6, ..flow() });
+    let plain = half(FlowSpec {
+        orifice: 40.0e-6,
+        ..flow()
+    });
     let resistors = half(flow());
-    let valves = half(FlowSpec { orifice: 40.0e-6, open_share: 0.02, ..flow() });
-    assert!(plain < 0.6 * resistors, "{plain} Pa, with resistors {resistors} Pa");
-    assert!(valves > 1.05 * resistors && valves < 40_000.0, "{valves} Pa with check valves");
+    let valves = half(FlowSpec {
+        orifice: 40.0e-6,
+        open_share: 0.02,
+        ..flow()
+    });
+    assert!(
+        plain < 0.6 * resistors,
+        "{plain} Pa, with resistors {resistors} Pa"
+    );
+    assert!(
+        valves > 1.05 * resistors && valves < 40_000.0,
+        "{valves} Pa with check valves"
+    );
 }
 
 #[test]
 fn porous_board_costs_vacuum_and_the_spec_knows_it() {
     // 12 cups of 1 ml/s at a kilopascal: Q0 (1 - p / p0) = 12 k p.
-    let spec = with(FlowSpec { porosity: 1.0e-9, ..flow() });
+    let spec = with(FlowSpec {
+        porosity: 1.0e-9,
+        ..flow()
+    });
     let hand = 0.020 / (0.020 / 40_000.0 + 12.0e-9);
     assert!((settled(&spec, 12) - hand).abs() < 1.0);
     assert!((spec.sealed_vacuum(0) - hand).abs() < 1.0);

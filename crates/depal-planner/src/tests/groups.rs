@@ -1,7 +1,11 @@
 use depal_frames::{BoxSize, Point, Rotation, Vector};
 
 use super::{Cell, assert_free, cuboid, pallet, seen, visible};
-use crate::{PickPlan, PlannerSettings, RejectReason, Refusal, SeenBox, grasp::grasps, group::{Group, fewest_picks}};
+use crate::{
+    PickPlan, PlannerSettings, Refusal, RejectReason, SeenBox,
+    grasp::grasps,
+    group::{Group, fewest_picks},
+};
 
 fn pairs() -> Cell {
     let mut cell = Cell::new();
@@ -32,7 +36,11 @@ fn assert_sections_fit(cell: &Cell, boxes: &[SeenBox], plan: &PickPlan) {
         held[on[0]] += 1;
     }
     for &member in &plan.box_indices {
-        assert!(held[member] >= 24, "member {member} has {} cups", held[member]);
+        assert!(
+            held[member] >= 24,
+            "member {member} has {} cups",
+            held[member]
+        );
     }
 }
 
@@ -43,7 +51,9 @@ fn a_full_pallet_goes_in_pairs() {
     let mut picks = 0;
     while !boxes.is_empty() {
         let top = visible(&boxes);
-        let plan = cell.plan(&top).unwrap_or_else(|e| panic!("pick {picks}: {e}"));
+        let plan = cell
+            .plan(&top)
+            .unwrap_or_else(|e| panic!("pick {picks}: {e}"));
         assert_eq!(plan.box_indices.len(), 2, "left alone: {:?}", plan.rejected);
         assert_eq!(plan.box_index, plan.box_indices[0]);
         assert_sections_fit(&cell, &top, &plan);
@@ -57,7 +67,11 @@ fn a_full_pallet_goes_in_pairs() {
         let at = (end.base_from_tcp * plan.carried.pose).translation.vector;
         assert!((at.xy() - cell.place.base_from_place.translation.vector.xy()).norm() < 1e-6);
         picks += 1;
-        let gone: Vec<_> = plan.box_indices.iter().map(|&i| top[i].base_from_box).collect();
+        let gone: Vec<_> = plan
+            .box_indices
+            .iter()
+            .map(|&i| top[i].base_from_box)
+            .collect();
         boxes.retain(|b| !gone.contains(&b.base_from_box));
         cell.start = plan.waypoints[plan.waypoints.len() - 2].joints;
     }
@@ -76,7 +90,14 @@ fn no_single_is_left_without_need() {
     // The place is nearest to the middle pair: taking that one would leave two singles.
     let mut cell = pairs();
     let boxes: Vec<SeenBox> = (0..4)
-        .map(|i| seen(1.7 + (f64::from(i) - 1.5) * 0.304, 0.0, 0.9, std::f64::consts::FRAC_PI_2))
+        .map(|i| {
+            seen(
+                1.7 + (f64::from(i) - 1.5) * 0.304,
+                0.0,
+                0.9,
+                std::f64::consts::FRAC_PI_2,
+            )
+        })
         .collect();
     cell.place.base_from_place.translation.vector = Vector::new(1.7, 1.5, 0.7);
     cell.known.truncate(2);
@@ -90,7 +111,13 @@ fn no_single_is_left_without_need() {
 
     // Which half turn vision gives a carton means nothing.
     for turns in 0..16 {
-        let turned = |i: usize| if turns >> i & 1 == 1 { std::f64::consts::PI } else { 0.0 };
+        let turned = |i: usize| {
+            if turns >> i & 1 == 1 {
+                std::f64::consts::PI
+            } else {
+                0.0
+            }
+        };
         let mut boxes = row(4);
         for (i, seen) in boxes.iter_mut().enumerate() {
             let turn = Rotation::from_axis_angle(&Vector::z_axis(), turned(i));
@@ -116,7 +143,10 @@ fn only_like_neighbours_go_together() {
     alone(&low);
     alone(&[seen(1.7, -0.18, 0.9, 0.0), seen(1.7, 0.18, 0.9, 1.57)]);
     let mut other = row(2);
-    other[1].size = BoxSize { length: 0.37, ..other[1].size };
+    other[1].size = BoxSize {
+        length: 0.37,
+        ..other[1].size
+    };
     alone(&other);
     // The counterpart: without any of this they do.
     assert_eq!(pairs().plan(&row(2)).unwrap().box_indices, [0, 1]);
@@ -149,9 +179,15 @@ fn what_cannot_go_together_goes_one_by_one() {
     cell.known.push(cuboid(1.7, 0.152, 1.1, 0.5, 0.25, 0.1));
     let plan = cell.plan(&boxes).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(plan.box_indices, [0]);
-    assert_eq!((plan.rejected[0].box_index, &plan.rejected[0].with[..]), (0, &[1][..]));
+    assert_eq!(
+        (plan.rejected[0].box_index, &plan.rejected[0].with[..]),
+        (0, &[1][..])
+    );
     let text = plan.rejected[0].to_string();
-    assert!(text.starts_with("box 0+1: ") && text.contains("meets"), "{text}");
+    assert!(
+        text.starts_with("box 0+1: ") && text.contains("meets"),
+        "{text}"
+    );
     // In the words of a longer list.
     let text = plan.rejected[0].clone().renumbered(&[7, 9]).to_string();
     assert!(text.starts_with("box 7+9: "), "{text}");
@@ -187,7 +223,11 @@ fn single_cup_zones_take_what_lies_under_them() {
     };
     let small = |x: f64, y: f64| {
         let mut seen = seen(1.7 + x, y, 0.9, 0.0);
-        seen.size = BoxSize { length: 0.30, width: 0.20, height: 0.15 };
+        seen.size = BoxSize {
+            length: 0.30,
+            width: 0.20,
+            height: 0.15,
+        };
         seen
     };
     let boxes = [
