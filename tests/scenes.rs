@@ -52,6 +52,62 @@ fn every_scene_is_accepted() {
     }
 }
 
+/// The scenes that promise it, twenty pallets each; behind `DEPAL_SLOW=1`, for it takes a quarter of an hour.
+#[test]
+fn scenes_are_accepted_over_twenty_seeds() {
+    if std::env::var_os("DEPAL_SLOW").is_none() {
+        return;
+    }
+    for name in ["irb460", "mixed", "rollcage", "two_pallets", "multipick"] {
+        let path = root().join(format!("scenes/{name}.toml"));
+        for seed in 1..=20 {
+            let scene = Scene::load_file(&path.to_string_lossy(), &[], Some(seed))
+                .unwrap_or_else(|errors| panic!("{errors}"));
+            let finished = run_scene(&scene);
+            let totals = RunTotals::of(&scene.name, seed, &finished.outcome, 0.0);
+            let report = Report::new(&totals, &limits(&scene));
+            assert!(report.accept.passed, "{name} {seed}:\n{}", summary(&report));
+        }
+    }
+}
+
+/// Two cartons on the wire: the plan data of 210 and one output for each section.
+#[test]
+fn a_group_is_told_with_its_size_and_turn() {
+    let path = root().join("scenes/multipick.toml");
+    let overrides = [("run.max_sim_s".to_owned(), "12".to_owned())];
+    let scene = Scene::load_file(&path.to_string_lossy(), &overrides, Some(1))
+        .unwrap_or_else(|errors| panic!("{errors}"));
+    let finished = run_scene(&scene);
+    let cells = |command: i32, start: &str| -> Vec<Vec<f64>> {
+        let lines = finished.log.iter().filter_map(|line| {
+            let event: serde_json::Value = serde_json::from_str(line).ok()?;
+            let is_it = event["event"] == "protocol"
+                && event["command"] == command
+                && event["from"] == "vision";
+            let text = event["text"].as_str().filter(|text| is_it && text.starts_with(start))?;
+            let message = text.split(' ').next()?;
+            Some(message.split(',').filter_map(|cell| cell.parse().ok()).collect())
+        });
+        lines.collect()
+    };
+    let moves: Vec<_> = cells(210, "210,2100,")
+        .into_iter()
+        .filter(|cells| cells[3] == 1.0)
+        .collect();
+    assert!(moves.len() >= 2);
+    for (round, cells) in moves.iter().enumerate() {
+        let plan = &cells[13..34];
+        assert_eq!(plan[10..13], [2.0 * (round + 1) as f64, 2.0, 0.0], "total, now, edge");
+        assert_eq!(plan[13..16], [0.0; 3], "in the middle of the gripper");
+        assert_eq!(plan[16..18], [0.0, 1.0], "the group along the gripper, its cartons across");
+        assert!((600.0..613.0).contains(&plan[18]) && (399.0..406.0).contains(&plan[19]));
+        assert_eq!(plan[20], 250.0);
+    }
+    let lists = cells(206, "206,2102,");
+    assert_eq!(lists[0][2..7], [1.0, 3.0, 5.0, 6.0, -1.0]);
+}
+
 /// Twenty pallets; behind `DEPAL_SLOW=1`, for it takes minutes.
 #[test]
 fn twenty_seeds_lose_at_most_one_carton_each() {

@@ -19,6 +19,7 @@ use crate::picture::Seen;
 use crate::plc_link::PlcLink;
 use crate::score::{CartonFate, Score};
 use crate::spec::CellSpec;
+use crate::standing::deviation;
 use crate::truth::TrueCarton;
 use crate::vision_side::VisionSide;
 
@@ -175,6 +176,12 @@ impl Cell {
         };
         let mut closing = Vec::new();
         self.picks.conclude(self.now, &mut self.score, &mut closing);
+        self.picks.settle_places(
+            |carton, place| deviation(&self.world, carton, &(self.spec.world_from_base * place)),
+            self.now,
+            &mut self.score,
+            &mut closing,
+        );
         self.score.run_failure = self.run_failure(end, &end_detail);
         self.digest_state();
         closing.push(EventKind::RunEnded {
@@ -315,7 +322,8 @@ impl Cell {
             self.now,
             valves,
             vacuum_ok,
-            || self.vision.next_targets(),
+            || self.vision.next_aim(),
+            |carton, place| deviation(&self.world, carton, &(self.spec.world_from_base * place)),
             &mut self.score,
             &mut self.pending,
         );
@@ -413,7 +421,8 @@ impl Cell {
         if let Some((at, state, detail)) = &self.program_end {
             let on_belt = self.score.count(|fate| fate == CartonFate::OnConveyor);
             let settled = self.now - *at >= SimDuration::from_millis(500);
-            if (on_belt == 0 && settled) || self.now - *at >= RUN_OUT {
+            let is_over = on_belt == 0 && settled && !self.picks.awaits_stand();
+            if is_over || self.now - *at >= RUN_OUT {
                 return Some((*state, detail.clone()));
             }
         }
@@ -508,7 +517,7 @@ impl Cell {
                 let id = carton.id.0;
                 let state = match self.score.fates.get(&id) {
                     Some(CartonFate::Lost(_)) => CartonViewState::Lost,
-                    Some(CartonFate::OnConveyor) => CartonViewState::Placed,
+                    Some(CartonFate::OnConveyor | CartonFate::Placed) => CartonViewState::Placed,
                     _ if held.contains(&id) => CartonViewState::Gripped,
                     _ if targets.contains(&id) => CartonViewState::Target,
                     _ => CartonViewState::Waiting,

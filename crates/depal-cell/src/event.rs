@@ -307,6 +307,15 @@ pub enum EventKind {
         /// Carton.
         carton: u32,
     },
+    /// A carton stands on its place of a pattern.
+    Placed {
+        /// Carton.
+        carton: u32,
+        /// Distance of the middle of its bottom from the place, mm.
+        error_mm: f64,
+        /// Angle between its long side and the place's, degrees, half turns left out.
+        error_deg: f64,
+    },
     /// A carton lies where it should not.
     Lost {
         /// Carton.

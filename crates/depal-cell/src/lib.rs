@@ -29,6 +29,7 @@ mod planning;
 mod plc_link;
 pub mod score;
 pub mod spec;
+mod standing;
 pub mod station;
 pub mod truth;
 mod vision_side;

@@ -2,15 +2,20 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use depal_frames::Pose;
 use depal_gripper::LossReason;
 use depal_time::{SimDuration, SimTime};
 use depal_world::{Body, WorldEvent};
 
 use crate::event::{EventKind, FailureReason, round};
 use crate::score::{CartonFate, Score};
+use crate::standing::{Aim, Deviation};
 
 /// A released carton must touch the belt within this time, or the place was missed.
 const PLACE_TIME: SimDuration = SimDuration::from_millis(1500);
+
+/// A carton that was put on a place of a pattern is looked at after this time.
+const STAND_TIME: SimDuration = SimDuration::from_millis(1000);
 
 /// Follows the gripper through picks. A pick runs from vacuum on to the carton on the belt.
 #[derive(Debug, Default)]
@@ -18,7 +23,12 @@ pub(crate) struct PickKeeper {
     valves_on: bool,
     vacuum_ok: bool,
     released_at: Option<SimTime>,
-    touched_belt: BTreeSet<u32>,
+    /// Cartons that reached the belt or their place.
+    arrived: BTreeSet<u32>,
+    /// Place of the pattern that the open pick goes to, robot base.
+    place: Option<Pose>,
+    /// Places on which cartons were put, robot base.
+    places: BTreeMap<u32, Pose>,
     last_failure: BTreeMap<u32, (FailureReason, String)>,
     collided: bool,
 }
@@ -29,20 +39,31 @@ impl PickKeeper {
         self.collided
     }
 
-    /// Valves and vacuum switch of this tick. `targets` are the cartons that the current plan aims at.
+    /// Whether a carton has been put on a place of a pattern and is yet to be looked at.
+    pub(crate) fn awaits_stand(&self) -> bool {
+        self.place.is_some() && self.released_at.is_some()
+    }
+
+    /// Valves and vacuum switch of this tick. `aim` is what the current plan aims at, `deviation` tells how far a carton is
+    /// from a place in the robot base.
     pub(crate) fn valves(
         &mut self,
         now: SimTime,
         valves: &[bool],
         vacuum_ok: bool,
-        targets: impl FnOnce() -> Vec<u32>,
+        aim: impl FnOnce() -> Aim,
+        deviation: impl Fn(u32, &Pose) -> Option<Deviation>,
         score: &mut Score,
         events: &mut Vec<EventKind>,
     ) {
         let on = valves.iter().any(|valve| *valve);
         if on && !self.valves_on {
             self.conclude(now, score, events);
-            let targets = targets();
+            let Aim {
+                cartons: targets,
+                place,
+            } = aim();
+            self.place = place;
             let pick = score.start_pick(now, targets.clone());
             let sections = (0..valves.len()).filter(|i| valves[*i]).collect();
             events.push(EventKind::PickStarted {
@@ -68,12 +89,79 @@ impl PickKeeper {
             }
         }
         self.vacuum_ok = vacuum_ok;
-        if let Some(released_at) = self.released_at {
+        if let (Some(released_at), Some(place)) = (self.released_at, self.place) {
+            if now - released_at > STAND_TIME {
+                self.stand(place, deviation, score, events);
+                self.conclude(now, score, events);
+            }
+        } else if let Some(released_at) = self.released_at {
             let on_belt = score.open_pick().is_some_and(|pick| {
-                !pick.held.is_empty() && pick.held.iter().all(|c| self.touched_belt.contains(c))
+                !pick.held.is_empty() && pick.held.iter().all(|c| self.arrived.contains(c))
             });
             if on_belt || now - released_at > PLACE_TIME {
                 self.conclude(now, score, events);
+            }
+        }
+    }
+
+    /// Looks whether what was put down stands on its place of a pattern.
+    fn stand(
+        &mut self,
+        place: Pose,
+        deviation: impl Fn(u32, &Pose) -> Option<Deviation>,
+        score: &mut Score,
+        events: &mut Vec<EventKind>,
+    ) {
+        let held = score
+            .open_pick()
+            .map_or(Vec::new(), |pick| pick.held.clone());
+        for carton in held {
+            let Some(found) = deviation(carton, &place) else {
+                continue;
+            };
+            let (error_mm, error_deg) = (found.distance * 1e3, found.angle.to_degrees());
+            if found.is_small() {
+                self.arrived.insert(carton);
+                self.places.insert(carton, place);
+                score.fates.insert(carton, CartonFate::Placed);
+                events.push(EventKind::Placed {
+                    carton,
+                    error_mm: round(error_mm, 1e3),
+                    error_deg: round(error_deg, 1e3),
+                });
+            } else if let Some(pick) = score.open_pick_mut() {
+                let detail = format!(
+                    "carton {carton} stands {error_mm:.0} mm and {error_deg:.1} degrees off its place"
+                );
+                pick.failure
+                    .get_or_insert((FailureReason::PlaceMissed, detail));
+            }
+        }
+    }
+
+    /// At the end of a run: what still stands on its place is delivered, what does not is lost.
+    pub(crate) fn settle_places(
+        &mut self,
+        deviation: impl Fn(u32, &Pose) -> Option<Deviation>,
+        now: SimTime,
+        score: &mut Score,
+        events: &mut Vec<EventKind>,
+    ) {
+        for (&carton, place) in &self.places {
+            if score.fates.get(&carton) != Some(&CartonFate::Placed) {
+                continue;
+            }
+            if deviation(carton, place).is_some_and(Deviation::is_small) {
+                score.fates.insert(carton, CartonFate::Delivered);
+                score.last_delivery = score.last_success.or(Some(now));
+            } else {
+                let reason = FailureReason::NeighbourMoved;
+                score.fates.insert(carton, CartonFate::Lost(reason));
+                events.push(EventKind::Lost {
+                    carton,
+                    reason,
+                    detail: "pushed off its place after it had been put there".to_owned(),
+                });
             }
         }
     }
@@ -89,7 +177,7 @@ impl PickKeeper {
         let Some(pick) = score.open_pick() else {
             return;
         };
-        let astray = pick.held.iter().find(|c| !self.touched_belt.contains(c));
+        let astray = pick.held.iter().find(|c| !self.arrived.contains(c));
         let left_behind = pick.targets.iter().find(|c| !pick.held.contains(c));
         let otherwise = if pick.held.is_empty() {
             Some((
@@ -110,7 +198,7 @@ impl PickKeeper {
             astray.map(|carton| {
                 (
                     FailureReason::PlaceMissed,
-                    format!("carton {carton} was released but did not reach the belt"),
+                    format!("carton {carton} was released but did not reach its place"),
                 )
             })
         };
@@ -119,7 +207,7 @@ impl PickKeeper {
         };
         if let Some(failure) = &failure {
             for carton in pick.held.iter().chain(&pick.targets) {
-                let is_placed = self.touched_belt.contains(carton);
+                let is_placed = self.arrived.contains(carton);
                 if !is_placed {
                     self.last_failure.insert(*carton, failure.clone());
                 }
@@ -130,8 +218,17 @@ impl PickKeeper {
             carton: pick.held.first().copied(),
             cartons: pick.held,
             reason: failure.as_ref().map(|(reason, _)| *reason),
-            detail: failure
-                .map_or_else(|| "delivered to the belt".to_owned(), |(_, detail)| detail),
+            detail: failure.map_or_else(
+                || {
+                    if self.place.is_some() {
+                        "on its place"
+                    } else {
+                        "delivered to the belt"
+                    }
+                    .to_owned()
+                },
+                |(_, detail)| detail,
+            ),
             cycle_s: round(cycle.as_secs_f64(), 1e6),
         });
     }
@@ -195,7 +292,7 @@ impl PickKeeper {
                 self.last_failure.insert(carton.0, (reason, detail));
             }
             WorldEvent::CartonTouchedBelt { carton, .. } => {
-                self.touched_belt.insert(carton.0);
+                self.arrived.insert(carton.0);
                 score.fates.insert(carton.0, CartonFate::OnConveyor);
             }
             WorldEvent::CartonDelivered { carton, .. } => {

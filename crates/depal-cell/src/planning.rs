@@ -323,7 +323,8 @@ fn refusal_meaning(refusal: &Refusal) -> (Status, FailureReason) {
             Some(
                 RejectReason::NoSectionFits { .. }
                 | RejectReason::TooLittleForce { .. }
-                | RejectReason::TooHeavy { .. },
+                | RejectReason::TooHeavy { .. }
+                | RejectReason::TooMuchMoment { .. },
             ) => (Status::VizBadPickPoint, FailureReason::PlanCollision),
             Some(RejectReason::LowConfidence { .. } | RejectReason::Tilted { .. }) => {
                 (Status::VizBadPickPoint, FailureReason::PoseError)

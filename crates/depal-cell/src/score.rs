@@ -13,7 +13,9 @@ pub enum CartonFate {
     InCell,
     /// On the belt, not yet out of the cell.
     OnConveyor,
-    /// Carried out of the cell.
+    /// On its place of a pattern; counts as delivered if it still stands there at the end of the run.
+    Placed,
+    /// Carried out of the cell, or on its place of a pattern at the end of the run.
     Delivered,
     /// On the floor or anywhere else it should not be.
     Lost(FailureReason),

@@ -18,6 +18,7 @@ use crate::picture::{Picture, Seen, take_picture};
 use crate::planning::{Planned, PlannedPick};
 use crate::score::Score;
 use crate::spec::{CellSpec, VisionProject};
+use crate::standing::Aim;
 
 mod jobs;
 pub(crate) mod results;
@@ -82,8 +83,8 @@ pub(crate) struct VisionSide {
     frame_faults: FrameFaults,
     /// Cartons planned so far, by vision project; 0 is the planning project.
     picked: BTreeMap<i32, i32>,
-    /// By truth: the cartons that the path sent last aims at, by round; the first round is the next one.
-    targets: VecDeque<Vec<u32>>,
+    /// What the path sent last aims at, by round; the first round is the next one.
+    aims: VecDeque<Aim>,
     last_failure: Option<FailureReason>,
     /// Status codes of the replies to the last exchange: what a program that stops has heard.
     last_status: Option<i32>,
@@ -116,7 +117,7 @@ impl VisionSide {
             frames: 0,
             frame_faults: FrameFaults::new(&spec.interface.faults),
             picked: BTreeMap::new(),
-            targets: VecDeque::new(),
+            aims: VecDeque::new(),
             last_failure: None,
             last_status: None,
             stopwatch,
@@ -127,14 +128,14 @@ impl VisionSide {
 
     /// The cartons that the next pick aims at, by truth.
     pub(crate) fn targets(&self) -> &[u32] {
-        self.targets.front().map_or(&[], Vec::as_slice)
+        self.aims.front().map_or(&[], |aim| aim.cartons.as_slice())
     }
 
-    /// The same, as the pick begins; the last round stays, for a program that tries it again.
-    pub(crate) fn next_targets(&mut self) -> Vec<u32> {
-        match self.targets.len() {
-            0 | 1 => self.targets().to_vec(),
-            _ => self.targets.pop_front().unwrap_or_default(),
+    /// What the pick that begins now aims at; the last round stays, for a program that tries it again.
+    pub(crate) fn next_aim(&mut self) -> Aim {
+        match self.aims.len() {
+            0 | 1 => self.aims.front().cloned().unwrap_or_default(),
+            _ => self.aims.pop_front().unwrap_or_default(),
         }
     }
 

@@ -6,6 +6,7 @@ use depal_workflow::{Move, MoveMotion, Piece, Reference, Target};
 
 use crate::planning::{Carried, PlannedPick, TOOL};
 use crate::spec::CellSpec;
+use crate::standing::Aim;
 
 /// A finished path.
 #[derive(Debug, Clone, Default)]
@@ -16,8 +17,8 @@ pub(crate) struct Joined {
     pub(crate) rounds: Vec<Vec<u16>>,
     /// Data of the vision projects' own, a row for each Vision Move.
     pub(crate) custom_ports: Vec<CustomPort>,
-    /// By truth: the cartons that the plans aim at, by round.
-    pub(crate) cartons: Vec<Vec<u32>>,
+    /// What the plans aim at, by round.
+    pub(crate) aims: Vec<Aim>,
 }
 
 /// A waypoint, or a move that waits for the one after it.
@@ -54,7 +55,10 @@ pub(crate) fn join(
                         None => joined.custom_ports.push(port.clone()),
                     }
                 }
-                joined.cartons.extend(plan.cartons.iter().cloned());
+                joined.aims.extend(plan.cartons.iter().map(|cartons| Aim {
+                    cartons: cartons.clone(),
+                    place: None,
+                }));
                 slots.extend(
                     plan.points
                         .iter()
@@ -87,9 +91,13 @@ pub(crate) fn join(
                 Target::offset_pose(&tool(spec, &before), offset, *frame)
             }
             Target::Tool(base_from_tcp) => *base_from_tcp,
-            Target::Carton(base_from_place) => carried
-                .ok_or(Status::VizRuntimeError)?
-                .base_from_tcp(base_from_place, spec.planner.place_gap),
+            Target::Carton(base_from_place) => {
+                if let Some(aim) = joined.aims.last_mut() {
+                    aim.place = Some(*base_from_place);
+                }
+                let carried = carried.ok_or(Status::VizRuntimeError)?;
+                carried.base_from_tcp(base_from_place, spec.planner.place_gap)
+            }
         };
         before = reach(spec, &pose, &before)?;
         slots.push(Slot::Point(Box::new(point(spec, next, before))));

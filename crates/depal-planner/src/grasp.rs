@@ -3,10 +3,11 @@ use depal_gripper::GripperSpec;
 use nalgebra::Translation3;
 
 use crate::{
+    candidate::load,
     group::{Face, Group},
     refusal::RejectReason,
     request::PlannerSettings,
-    suction::{Hold, needed_at_rest},
+    suction::{GRAVITY, Hold, needed_at_rest},
 };
 
 /// An edge of the gripper and one of the carton are flush when they are this close, m.
@@ -88,6 +89,16 @@ pub(crate) fn grasps(
     if found.is_empty() {
         return Err(RejectReason::TooLittleForce { force, needed });
     }
+    let load = load(group, settings);
+    let moment = |g: &Grasp| wrist_moment(gripper, &g.carried, load);
+    let least = found.iter().map(moment).fold(f64::INFINITY, f64::min);
+    found.retain(|g| moment(g) <= settings.max_moment);
+    if found.is_empty() {
+        return Err(RejectReason::TooMuchMoment {
+            moment: least,
+            limit: settings.max_moment,
+        });
+    }
     let rank = |g: &Grasp| {
         (
             -(g.hold.sideways(settings) * 10.0).round() as i64,
@@ -97,6 +108,14 @@ pub(crate) fn grasps(
     };
     found.sort_by_key(rank);
     Ok(found)
+}
+
+/// Moment of gripper and load about the flange when the tool lies level, the worst posture, N m.
+/// The gripper's own weight is taken to sit half-way to the cups.
+fn wrist_moment(gripper: &GripperSpec, carried: &PlacedShape, load: f64) -> f64 {
+    let cups = gripper.flange_from_tcp.translation.vector;
+    let centre = (gripper.flange_from_tcp * carried.pose).translation.vector;
+    GRAVITY * (gripper.mass * cups.norm() * 0.5 + load * centre.norm())
 }
 
 /// A face along the tool's X and Y, about the group's middle. The turn is by quarters, face down.
@@ -208,7 +227,9 @@ fn weakest_hold(
     });
     let weaker = |a: &Hold, b: &Hold| {
         let [a_bears, b_bears] = [a, b].map(|hold| hold.sideways(settings));
-        a_bears.total_cmp(&b_bears).then(a.force.total_cmp(&b.force))
+        a_bears
+            .total_cmp(&b_bears)
+            .then(a.force.total_cmp(&b.force))
     };
     holds.min_by(weaker).expect("a group has a face")
 }

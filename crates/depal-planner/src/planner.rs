@@ -69,6 +69,11 @@ pub fn plan_pick(request: &PlanRequest) -> Result<PickPlan, Refusal> {
         for group in layer {
             match planner.pick(group, Grasps::All) {
                 Ok(mut plan) => {
+                    // Those that come later were turned down for their best grasps alone.
+                    let done = candidates.rejected.iter().map(|r| r.box_index);
+                    let done: Vec<usize> = done.chain([plan.box_index]).collect();
+                    passed.retain(|r: &Rejection| !done.contains(&r.box_index));
+                    candidates.rejected.append(&mut passed);
                     plan.rejected = candidates.rejected;
                     return Ok(plan);
                 }

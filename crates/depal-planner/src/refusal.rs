@@ -132,6 +132,13 @@ pub enum RejectReason {
         /// Allowed, kg.
         limit: f64,
     },
+    /// Gripper and load would turn the wrist with more than it is rated for.
+    TooMuchMoment {
+        /// Least of all grasps, N m.
+        moment: f64,
+        /// Allowed, N m.
+        limit: f64,
+    },
     /// No joints inside the limits reach it.
     Unreachable {
         /// Pick or place, or a straight stretch of the way.
@@ -184,6 +191,10 @@ impl fmt::Display for RejectReason {
             Self::TooHeavy { mass, limit } => write!(
                 f,
                 "it is taken to weigh {mass:.0} kg, the arm carries {limit:.0} kg below the gripper"
+            ),
+            Self::TooMuchMoment { moment, limit } => write!(
+                f,
+                "gripper and load turn the wrist with {moment:.0} N m, allowed are {limit:.0} N m"
             ),
             Self::Unreachable { stage, tried } => write!(
                 f,

@@ -61,6 +61,8 @@ pub struct PlannerSettings {
     pub group_gap: f64,
     /// Most mass that may hang on the gripper, kg: the arm's payload without the gripper.
     pub max_load: f64,
+    /// Largest moment of gripper and load about the flange, tool level, N m: what the arm's wrist is rated for.
+    pub max_moment: f64,
     /// Safety factor of the suction limit. 2 is usual for porous cardboard; raising it slows loaded moves.
     pub suction_safety: f64,
     /// A cup must lie this far inside the face, m. Raising it guards against wrong sizes and costs sections.
@@ -116,6 +118,7 @@ impl Default for PlannerSettings {
             max_group: 1,
             group_gap: 0.015,
             max_load: f64::INFINITY,
+            max_moment: f64::INFINITY,
             suction_safety: 2.0,
             cup_margin: 0.002,
             layer_share: 0.5,

@@ -4,7 +4,7 @@ use depal_gripper::{CupSpec, GripperSpec};
 use crate::{request::PlannerSettings, timing::Trapezoid};
 
 /// Standard gravity, m/s2.
-const GRAVITY: f64 = 9.80665;
+pub(crate) const GRAVITY: f64 = 9.80665;
 /// Samples of one move when its acceleration is measured.
 const SAMPLES: usize = 24;
 /// Slowest velocity that is ever asked for, percent.

@@ -162,7 +162,10 @@ impl World {
 
     /// Highest point of what is known of the cell within `reach` metres of a place, seen from above; none if nothing is.
     pub fn rim(&self, at: &Vector, reach: f64) -> Option<f64> {
-        let known = self.solids.iter().filter(|s| matches!(s.what, Obstacle::Known(_)));
+        let known = self
+            .solids
+            .iter()
+            .filter(|s| matches!(s.what, Obstacle::Known(_)));
         let near = known.filter_map(|s| {
             let around = s.shape.compute_aabb(&s.pose);
             let beyond = |low: f32, high: f32, at: f64| {

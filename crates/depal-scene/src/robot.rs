@@ -4,7 +4,7 @@ use crate::choice::{choice, one_of};
 use crate::language::Language;
 use crate::reader::{Checker, section};
 use crate::rules::{
-    ANGLE_DEG, COORDINATE_MM, ListOf, Numbers, OneOrMore, Text, above, number, table, whole,
+    ANGLE_DEG, COORDINATE_MM, ListOf, Maybe, Numbers, OneOrMore, Text, above, number, table, whole,
 };
 use crate::text_file::{File, TextFile};
 
@@ -102,6 +102,12 @@ section! {
         /// Default [180, 130, 180, 450, 400, 600]: top speed within about half a second, and faster at
         /// the wrist; the makers of large arms publish no figures. Higher shortens the cycle and shakes cartons off.
         acceleration_deg_s2: Vec<f64>, ListOf(above(0.0, 100_000.0), 1, 8), default(vec![180.0, 130.0, 180.0, 450.0, 400.0, 600.0]);
+        /// What the arm is rated to carry at its flange, gripper included, kg.
+        /// Default: none, the load is not checked; the description file has no place for it.
+        payload_kg: Option<f64>, Maybe(above(0.0, 10_000.0)), default(None);
+        /// What its wrist is rated to bear about the flange with the tool level, N m, gripper included.
+        /// Default: none, the moment is not checked.
+        wrist_moment_n_m: Option<f64>, Maybe(above(0.0, 100_000.0)), default(None);
         /// How much faster the arm moves than its description says, which is all that the planner knows:
         /// speeds by this factor, accelerations by its square, so that the same way takes the time over the factor.
         /// Default 1: as described.

@@ -166,6 +166,18 @@ fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
             );
         }
     }
+    if let Some(payload) = scene.robot.payload_kg
+        && scene.gripper.mass_kg >= payload
+    {
+        checker.problem(
+            "robot.payload_kg",
+            format!(
+                "expected more than the gripper's {} kg, found {payload}",
+                scene.gripper.mass_kg
+            ),
+            None,
+        );
+    }
     check_support(scene, checker);
     let most = f64::from(scene.cartons.total());
     if let Some(least) = scene.accept.delivered_min

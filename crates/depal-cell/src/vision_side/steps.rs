@@ -173,7 +173,7 @@ impl VisionSide {
             points,
             rounds,
             custom_ports,
-            cartons,
+            aims,
         } = match join(spec, &run.start, pieces) {
             Ok(joined) => joined,
             Err(status) => {
@@ -189,7 +189,7 @@ impl VisionSide {
         {
             *self.picked.entry(counter_of(owner, &picture)).or_insert(0) += picks;
             self.last_failure = None;
-            self.targets = cartons.into();
+            self.aims = aims.into();
         }
         let path = PlannedPath {
             points,

@@ -170,6 +170,24 @@ fn the_arm_carries_no_more_than_it_can() {
     }));
 }
 
+#[test]
+fn the_wrist_bears_no_more_than_it_is_rated_for() {
+    // 50 kg at 150 mm and 40 kg at 300 + 125 mm below the flange.
+    let two = 9.80665 * (50.0 * 0.15 + 40.0 * 0.425);
+    let one = 9.80665 * (50.0 * 0.15 + 20.0 * 0.425);
+    let loaded = |max_moment| {
+        let mut cell = pairs();
+        cell.settings.max_moment = max_moment;
+        cell.plan(&row(4))
+    };
+    assert_eq!(loaded(two + 1.0).unwrap().box_indices.len(), 2);
+    assert_eq!(loaded(two - 1.0).unwrap().box_indices.len(), 1);
+    let Err(refusal) = loaded(one - 1.0) else {
+        panic!("too much for the wrist");
+    };
+    assert!(refusal.to_string().contains("turn the wrist with 157 N m"), "{refusal}");
+}
+
 /// A post beside the pair: together they meet it, one by one they do not.
 #[test]
 fn what_cannot_go_together_goes_one_by_one() {

@@ -224,7 +224,11 @@ impl Scene {
 
     fn planner_settings(&self) -> PlannerSettings {
         let planner = &self.planner;
+        let infinite = f64::INFINITY;
+        let payload = self.robot.payload_kg.unwrap_or(infinite);
         PlannerSettings {
+            max_load: payload - self.gripper.mass_kg,
+            max_moment: self.robot.wrist_moment_n_m.unwrap_or(infinite),
             max_waypoints: planner.max_waypoints as usize,
             max_carton_mass: planner.assumed_mass_kg,
             suction_safety: planner.suction_safety,
