@@ -1,6 +1,6 @@
 //! Solids taken apart into surfaces whose image rows have a closed form, in a view's own frame.
 
-use depal_frames::{Pose, Shape, Vector};
+use depal_frames::{Point, Pose, Shape, Vector};
 
 use crate::TriangleMesh;
 
@@ -89,6 +89,9 @@ pub(crate) fn collect_shape(out: &mut impl Collect, view_from_shape: &Pose, shap
     match shape {
         Shape::Cuboid { half_extents } => collect_cuboid(out, view_from_shape, half_extents),
         Shape::Sphere { radius } => collect_sphere(out, centre, *radius),
+        Shape::Hull(hull) => {
+            collect_triangles(out, view_from_shape, hull.vertices(), hull.triangles());
+        }
         Shape::Capsule {
             half_length,
             radius,
@@ -161,14 +164,22 @@ pub(crate) fn collect_mesh(out: &mut impl Collect, view_from_mesh: &Pose, mesh: 
     if view_from_mesh.translation.z + mesh.bounding_radius() <= 0.0 {
         return;
     }
+    collect_triangles(out, view_from_mesh, mesh.vertices(), mesh.triangles());
+}
+
+fn collect_triangles(
+    out: &mut impl Collect,
+    view_from_mesh: &Pose,
+    vertices: &[Point],
+    triangles: &[[u32; 3]],
+) {
     let rotation = view_from_mesh.rotation.to_rotation_matrix();
     let shift = view_from_mesh.translation.vector;
-    let corners: Vec<Vector> = mesh
-        .vertices()
+    let corners: Vec<Vector> = vertices
         .iter()
         .map(|p| rotation * p.coords + shift)
         .collect();
-    for triangle in mesh.triangles() {
+    for triangle in triangles {
         let [a, b, c] = triangle.map(|k| corners[k as usize]);
         let normal = (b - a).cross(&(c - a));
         let plane = normal.dot(&a);
