@@ -49,6 +49,7 @@ mod opw;
 mod palletizer;
 mod shapes;
 mod urdf;
+mod verify;
 
 pub use arm::{Arm, JointLimit, Link};
 pub use error::{ArmError, ArmWarning};

@@ -8,7 +8,7 @@ use depal_frames::{JointPositions, Pose, Vector};
 use depal_time::{RandomStream, RandomStreams};
 use proptest::prelude::*;
 
-use crate::{Arm, ArmError, arm::oracle_pose, opw::Solver, urdf};
+use crate::{Arm, ArmError, opw::Solver, urdf, verify::oracle_pose};
 
 const IRB6700: &str = include_str!("../../../../urdf/abb_irb6700_150_320.urdf");
 const FILE: &str = "abb_irb6700_150_320.urdf";

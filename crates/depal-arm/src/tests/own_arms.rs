@@ -2,7 +2,7 @@ use depal_frames::{JointPositions, Pose, Rotation, Vector};
 use depal_time::RandomStreams;
 
 use super::{distance, random_joints};
-use crate::{Arm, ArmWarning, arm::oracle_pose, urdf};
+use crate::{Arm, ArmWarning, urdf, verify::oracle_pose};
 
 const IRB460: &str = include_str!("../../../../urdf/abb_irb460.urdf");
 const IRB660: &str = include_str!("../../../../urdf/abb_irb660.urdf");

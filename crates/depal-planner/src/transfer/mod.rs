@@ -12,6 +12,7 @@ mod refine;
 mod request;
 mod route;
 mod scene;
+mod solid;
 mod tree;
 mod ways;
 
