@@ -19,7 +19,8 @@ mod table;
 mod timing;
 
 pub(crate) use motion::{MoveForm, PathShape};
-pub(crate) use state::hidden_globals;
+pub(crate) use state::{hidden_globals, make_submit};
 pub(crate) use table::{Table, predefined_data};
 
+pub use state::OWN_GLOBALS;
 pub use table::built_in_names;

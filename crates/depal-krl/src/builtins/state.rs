@@ -9,12 +9,16 @@ const MOVES: usize = 0;
 const EVENTS: usize = 1;
 pub(super) const TIMERS: usize = 2;
 const PATH: usize = 3;
+const SUBMIT: usize = 4;
 
 /// Number of `$TIMER`.
 const TIMER_COUNT: usize = 64;
 
+/// How many global slots at the front belong to each task alone, whatever tasks share.
+pub const OWN_GLOBALS: usize = 5;
+
 /// Variables before all others.
-pub(crate) fn hidden_globals() -> [(&'static str, Value); 4] {
+pub(crate) fn hidden_globals() -> [(&'static str, Value); OWN_GLOBALS] {
     // Milliseconds while it stands, and since when it runs (nanoseconds, -1 while it stands).
     let timer = Value::Record(vec![Value::Int(0), Value::Int(-1)]);
     [
@@ -22,7 +26,17 @@ pub(crate) fn hidden_globals() -> [(&'static str, Value); 4] {
         ("outputs along the next move", Value::Array(Vec::new())),
         ("timers", Value::Array(vec![timer; TIMER_COUNT])),
         ("path", Value::Int(0)),
+        ("runs beside the robot", Value::Bool(false)),
     ]
+}
+
+/// The program is one of the submit interpreter: it never waits for the arm.
+pub(crate) fn make_submit(globals: &mut [Value]) {
+    globals[SUBMIT] = Value::Bool(true);
+}
+
+pub(super) fn is_submit(context: &CallContext<'_>) -> bool {
+    context.memory.globals[SUBMIT] == Value::Bool(true)
 }
 
 /// What became of the path that an interrupt stopped.
