@@ -75,11 +75,6 @@ impl Controller {
         self.cabinet.state = overall(&self.cabinet.tasks);
     }
 
-    /// The tasks, in the order in which they were added.
-    pub fn tasks(&self) -> impl Iterator<Item = &dyn RobotTask> {
-        self.tasks.iter().map(AsRef::as_ref)
-    }
-
     /// Starts the tasks again that stopped themselves, behind the statements with which they did, as an operator
     /// does. Whether there were any. Moves that were dropped when they stopped are not made up for.
     pub fn restart(&mut self) -> bool {

@@ -39,8 +39,9 @@
 //! and messages wait for the arm first, unless CONTINUE stands before the statement. Timers and flags do not wait:
 //! write WAIT SEC 0 before them. Errors stop the program.
 //!
-//! A `.sub` file is loaded like the others; its first routine is an entry of its own, and a program made from the
-//! same files has the same slots for global data.
+//! A `.sub` file is loaded like the others; its first routine is an entry of its own, which never waits for the
+//! arm. A program made from the same files has the same slots for global data; the first [`OWN_GLOBALS`] of them
+//! belong to each task alone.
 //!
 //! Limitations: AND and OR compute both sides; C_PTP takes its share of half the way as a distance; of status and
 //! turn only the sign of A5 and the turns of A4 to A6 choose a solution; external axes, spline blocks, cyclic
@@ -55,7 +56,7 @@ mod errors;
 mod loading;
 mod syntax;
 
-pub use builtins::built_in_names;
+pub use builtins::{OWN_GLOBALS, built_in_names};
 pub use compile::types::SignalKind;
 pub use loading::{
     Loaded, SignalDefinition, check, check_syntax, check_with_signals, decode, load,

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use depal_time::SimTime;
 
 use crate::system::{ProgramLocation, System};
-use crate::{Memory, SharedDatum, Value};
+use crate::{SharedDatum, Value};
 
 /// What one step of a task did.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,10 +88,6 @@ pub trait RobotTask {
     /// Goes on behind the statement with which the task stopped itself. Whether it can.
     fn restart(&mut self) -> bool {
         false
-    }
-    /// What the task remembers, if it is a program on the virtual machine.
-    fn memory(&self) -> Option<&Memory> {
-        None
     }
     /// The data that this task shares by name with others of its cabinet.
     fn shared_data(&self) -> &[SharedDatum] {

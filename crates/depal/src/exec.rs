@@ -12,7 +12,6 @@ use depal_frames::JointPositions;
 use depal_net::robot_sockets::HostPort;
 use depal_scene::Language;
 use depal_time::{SimDuration, SimTime, TICK};
-use depal_vm::execution::RobotTask;
 
 use crate::exec_network::ProgramNetwork;
 use crate::exec_output::{End, Output, Place};
@@ -81,7 +80,7 @@ pub struct ExecArgs {
     #[arg(long, value_name = "FILE.xml")]
     pub(crate) eki: Vec<PathBuf>,
     /// Value of a numeric register of a TP program at the start. May be given many times.
-    #[arg(long, value_name = "N=VALUE", value_parser = register)]
+    #[arg(long, value_name = "N=VALUE", value_parser = depal_tp::parse_preset)]
     pub(crate) set_r: Vec<(u32, f64)>,
     /// Print the numeric registers that a TP program wrote, one R[n]=value a line.
     #[arg(long)]
@@ -116,16 +115,6 @@ fn route(text: &str) -> Result<(HostPort, HostPort), String> {
     Ok((host_port(from)?, host_port(to)?))
 }
 
-fn register(text: &str) -> Result<(u32, f64), String> {
-    let wrong = || format!("{text:?}: expected NUMBER=VALUE, as in 1=0");
-    let (number, value) = text.split_once('=').ok_or_else(wrong)?;
-    let number = number.trim().parse().map_err(|_| wrong())?;
-    if number == 0 {
-        return Err("registers are numbered from 1".to_owned());
-    }
-    Ok((number, value.trim().parse().map_err(|_| wrong())?))
-}
-
 fn input_change(text: &str) -> Result<InputChange, String> {
     let wrong = || format!("{text:?}: expected NAME=VALUE@SECONDS, as in di_start=1@2.5");
     let (name, rest) = text.split_once('=').ok_or_else(wrong)?;
@@ -148,9 +137,7 @@ pub fn exec(args: &ExecArgs) -> Result<(), Failure> {
     let mut output = Output::open(args.json, args.trace.as_deref())?;
     output.has_operator_lines = language == Language::Rapid;
     match prepare(args, language) {
-        Ok((controller, changes, sandbox)) => {
-            run(args, controller, changes, &sandbox, output, begun)
-        }
+        Ok(prepared) => run(args, prepared, output, begun),
         Err(failure) => {
             let message = match &failure {
                 Failure::Input(message) => message.clone(),
@@ -162,11 +149,20 @@ pub fn exec(args: &ExecArgs) -> Result<(), Failure> {
     }
 }
 
+/// A cabinet that is ready to run.
+struct Prepared {
+    controller: Controller,
+    changes: Vec<InputChange>,
+    sandbox: Sandbox,
+    /// The registers to be shown at the end.
+    registers: Option<depal_tp::RegisterView>,
+}
+
 /// Everything that can be wrong before anything runs.
 fn prepare(
     args: &ExecArgs,
     language: Language,
-) -> Result<(Controller, Vec<InputChange>, Sandbox), Failure> {
+) -> Result<Prepared, Failure> {
     if let Some(limit) = args.max_sim_s
         && !(limit > 0.0 && limit <= 1e9)
     {
@@ -179,6 +175,7 @@ fn prepare(
         mut io,
         families,
         home,
+        registers,
     } = load(args, language)?;
     let mut changes = args.set_di.clone();
     changes.sort_by_key(|change| change.at);
@@ -245,20 +242,29 @@ fn prepare(
             Controller::new(spec).map_err(invalid)?
         }
     };
-    for (role, machine) in tasks {
-        controller.add_task(role, Box::new(machine));
+    for (role, task) in tasks {
+        controller.add_task(role, task);
     }
-    Ok((controller, changes, sandbox))
+    Ok(Prepared {
+        controller,
+        changes,
+        sandbox,
+        registers,
+    })
 }
 
 fn run(
     args: &ExecArgs,
-    mut controller: Controller,
-    changes: Vec<InputChange>,
-    sandbox: &Sandbox,
+    prepared: Prepared,
     mut output: Output,
     begun: Instant,
 ) -> Result<(), Failure> {
+    let Prepared {
+        mut controller,
+        changes,
+        sandbox,
+        registers,
+    } = prepared;
     let mut network = ProgramNetwork::open(args)?;
     let limit = args
         .max_sim_s
@@ -298,10 +304,7 @@ fn run(
     };
     network.close(args)?;
     sandbox.write(controller.files())?;
-    if args.print_registers {
-        let memory = controller.tasks().find_map(RobotTask::memory);
-        output.registers = memory.map(depal_tp::written_registers);
-    }
+    output.registers = registers.map(|view| view.written_registers());
     output.finish(&end, now, begun.elapsed())?;
     match end {
         End::Failed(_) => Err(Failure::Told(1)),

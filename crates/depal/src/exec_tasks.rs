@@ -6,6 +6,7 @@ use std::sync::Arc;
 use depal_controller::{EioConfiguration, SignalFamily, SignalKind, SignalSpec, TaskRole};
 use depal_rapid::SignalDefinition;
 use depal_scene::Language;
+use depal_vm::execution::RobotTask;
 use depal_vm::{Diagnostic, Machine, Program, SourceFile};
 
 use crate::diagnostics::draw;
@@ -20,13 +21,15 @@ const AUTO_GROUP_BITS: u8 = 23;
 /// What the cabinet is to run.
 pub struct Tasks {
     /// Each task with what it is to the cabinet.
-    pub tasks: Vec<(TaskRole, Machine)>,
+    pub tasks: Vec<(TaskRole, Box<dyn RobotTask>)>,
     /// Signals and cross connections.
     pub io: EioConfiguration,
     /// Signals that need no definition.
     pub families: Vec<SignalFamily>,
     /// Files of the program's folder, with their path in it.
     pub home: Vec<(String, PathBuf)>,
+    /// The registers of a TP program, if they are to be shown.
+    pub registers: Option<depal_tp::RegisterView>,
 }
 
 /// The one language of all files; folders and configurations are those of RAPID controllers.
@@ -122,13 +125,17 @@ fn rapid(args: &ExecArgs) -> Result<Tasks, Failure> {
     let tasks = plans
         .iter()
         .zip(programs)
-        .map(|(plan, program)| (plan.role.clone(), plan.machine(program)))
+        .map(|(plan, program)| {
+            let machine: Box<dyn RobotTask> = Box::new(plan.machine(program));
+            (plan.role.clone(), machine)
+        })
         .collect();
     Ok(Tasks {
         tasks,
         io,
         families: Vec::new(),
         home: files.home,
+        registers: None,
     })
 }
 
@@ -170,14 +177,15 @@ fn krl(args: &ExecArgs) -> Result<Tasks, Failure> {
     });
     let (loaded, _) = depal_krl::load_with_auto_signals(programs, &[], &entry);
     let loaded = loaded.with_channels(programs.len(), channels);
-    single(
-        "ROBOT",
-        loaded.program,
-        &loaded.diagnostics,
-        &sources,
+    let program = good(loaded.program, &loaded.diagnostics, &sources)?;
+    let machine = Machine::new(program, "ROBOT").single_cycle();
+    Ok(Tasks {
+        tasks: vec![(TaskRole::motion("ROBOT"), Box::new(machine))],
         io,
-        Language::Krl,
-    )
+        families: Language::Krl.signal_families(),
+        home: Vec::new(),
+        registers: None,
+    })
 }
 
 fn tp(args: &ExecArgs) -> Result<Tasks, Failure> {
@@ -196,36 +204,28 @@ fn tp(args: &ExecArgs) -> Result<Tasks, Failure> {
         ..depal_tp::Options::default()
     };
     let loaded = depal_tp::load(&sources, &options, &entry);
-    single(
-        "MAIN",
-        loaded.program,
-        &loaded.diagnostics,
-        &sources,
+    let program = good(loaded.program, &loaded.diagnostics, &sources)?;
+    let mut tasks = depal_tp::Tasks::new(program, "MAIN");
+    let registers = args.print_registers.then(|| tasks.view());
+    Ok(Tasks {
+        tasks: vec![(TaskRole::motion("MAIN"), Box::new(tasks))],
         io,
-        Language::Tp,
-    )
+        families: Language::Tp.signal_families(),
+        home: Vec::new(),
+        registers,
+    })
 }
 
-/// One task that moves the arm and runs once.
-fn single(
-    name: &str,
+/// The program, after all messages about it were told.
+fn good(
     program: Option<Arc<Program>>,
     diagnostics: &[Diagnostic],
     sources: &[SourceFile],
-    io: EioConfiguration,
-    language: Language,
-) -> Result<Tasks, Failure> {
+) -> Result<Arc<Program>, Failure> {
     for diagnostic in diagnostics {
         tell!("{}\n", draw(diagnostic, sources));
     }
-    let program = program.ok_or_else(|| not_started(diagnostics.len()))?;
-    let machine = Machine::new(program, name).single_cycle();
-    Ok(Tasks {
-        tasks: vec![(TaskRole::motion(name), machine)],
-        io,
-        families: language.signal_families(),
-        home: Vec::new(),
-    })
+    program.ok_or_else(|| not_started(diagnostics.len()))
 }
 
 fn stem(path: &str) -> String {

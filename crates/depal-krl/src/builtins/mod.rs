@@ -21,7 +21,8 @@ mod timing;
 
 pub(crate) use eki::{Links, channels};
 pub(crate) use motion::{MoveForm, PathShape};
-pub(crate) use state::{CHANNELS, hidden_globals};
+pub(crate) use state::{CHANNELS, hidden_globals, make_submit};
 pub(crate) use table::{Table, predefined_data};
 
+pub use state::OWN_GLOBALS;
 pub use table::built_in_names;

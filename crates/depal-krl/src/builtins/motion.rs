@@ -87,6 +87,9 @@ fn done() -> Ran {
 
 /// Waits until the arm stands at the end of the moves of this level.
 fn advance_stop(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    if is_submit(context) {
+        return done();
+    }
     let level = level(context);
     if level == 0 && system.is_standing() {
         // A move that failed is told here too.
@@ -101,6 +104,9 @@ fn advance_stop(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
 
 /// The program may be `$ADVANCE` moves ahead of the one under way. With 0 it waits for the end of each.
 fn movement(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    if is_submit(context) {
+        return Err(context.argument_error("a submit program cannot move the arm"));
+    }
     let advance = setting(context, "$advance", &[])?.clamp(0.0, 5.0) as usize;
     if let Some(Value::Int(id)) = context.notes.first() {
         let id = MoveId(*id as u64);

@@ -12,12 +12,16 @@ pub(super) const TIMERS: usize = 2;
 const PATH: usize = 3;
 pub(super) const FLAGS: usize = 4;
 pub(crate) const CHANNELS: usize = 5;
+const SUBMIT: usize = 6;
 
 /// Number of `$TIMER`.
 const TIMER_COUNT: usize = 64;
 
+/// How many global slots at the front belong to each task alone, whatever tasks share.
+pub const OWN_GLOBALS: usize = 7;
+
 /// Variables before all others.
-pub(crate) fn hidden_globals() -> [(&'static str, Value); 6] {
+pub(crate) fn hidden_globals() -> [(&'static str, Value); OWN_GLOBALS] {
     // Milliseconds while it stands, and since when it runs (nanoseconds, -1 while it stands).
     let timer = Value::Record(vec![Value::Int(0), Value::Int(-1)]);
     [
@@ -27,7 +31,17 @@ pub(crate) fn hidden_globals() -> [(&'static str, Value); 6] {
         ("path", Value::Int(0)),
         ("flags", Value::Array(vec![Value::Bool(false); FLAG_COUNT])),
         ("channels", channels(Links::default())),
+        ("runs beside the robot", Value::Bool(false)),
     ]
+}
+
+/// The program is one of the submit interpreter: it never waits for the arm.
+pub(crate) fn make_submit(globals: &mut [Value]) {
+    globals[SUBMIT] = Value::Bool(true);
+}
+
+pub(super) fn is_submit(context: &CallContext<'_>) -> bool {
+    context.memory.globals[SUBMIT] == Value::Bool(true)
 }
 
 /// What became of the path that an interrupt stopped.

@@ -34,7 +34,7 @@ pub(crate) fn predefined_data() -> [&'static str; 2] {
     ]
 }
 
-fn themes() -> [&'static [Entry]; 10] {
+fn themes() -> [&'static [Entry]; 11] {
     [
         &bas::ENTRIES,
         &bytes::ENTRIES,

@@ -6,7 +6,7 @@ use super::scope::*;
 use super::system::LIVE;
 use super::types::Types;
 use crate::builtins::Table;
-use crate::syntax::tree::File;
+use crate::syntax::tree::{File, FileKind};
 
 /// A module: the routines and the data of one name.
 #[derive(Debug)]
@@ -94,7 +94,7 @@ pub(crate) fn compile(
         compiler.routine(routine, *index);
     }
     if let Some(entry) = entry {
-        compiler.entry(entry);
+        compiler.entry(entry, units);
     }
     Compiled {
         program: compiler.program,
@@ -120,7 +120,7 @@ impl Compiler<'_> {
     }
 
     /// The routine that runs: as `entry`, but it waits for the arm at its end.
-    fn entry(&mut self, entry: &str) {
+    fn entry(&mut self, entry: &str, units: &[Unit]) {
         self.module = self.module_scopes.len();
         let key = entry.to_lowercase();
         let own = self.module_scopes.iter().find_map(|scope| scope.get(&key));
@@ -128,8 +128,12 @@ impl Compiler<'_> {
             Some(Symbol::Routine(RoutineSymbol {
                 callee: Callee::Routine(index),
                 signature,
-                ..
+                span,
             })) if signature.result.is_none() && signature.parameters.is_empty() => {
+                let mut files = units.iter().flat_map(|unit| &unit.files);
+                if files.any(|(file, f)| *file == span.file && f.kind == FileKind::Submit) {
+                    crate::builtins::make_submit(&mut self.program.globals);
+                }
                 let mut made = self.program.routines[*index as usize].clone();
                 let end = made.code.len() as u32;
                 for op in &mut made.code {

@@ -223,3 +223,11 @@ fn local_data_begin_anew_in_each_call() {
         ["main/sub:7: n has no value yet"]
     );
 }
+
+#[test]
+fn words_are_read_in_any_case_and_axis_data_convert() {
+    let source = "&ACCESS RVO\ndef  main()\n   decl axis j\n   bas(#initmov, 0)  ; begin\n   global interrupt decl 16 when $timer_flag[1]==true do tick()\n   interrupt on 16\n   $timer[1] = -20\n   $timer_stop[1] = false\n   j = $axis_act_meas\n   j.a1 = 3\n   ptp j c_ptp\n   wait sec 0.05\nend\ndef tick()\n   msgnotify(\"tick\")\nend\n";
+    let trace = run_files(&[("main.src", source)]);
+    assert!(trace[0].contains("joints [3.0, 0.0"), "{trace:?}");
+    assert_eq!(trace[1..], ["tick"]);
+}

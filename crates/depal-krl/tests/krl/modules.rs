@@ -88,6 +88,27 @@ fn types_of_one_module_are_used_in_another() {
 }
 
 #[test]
+fn a_submit_program_does_not_wait_for_the_arm() {
+    let text = "DEF main( )\n$OUT[1] = TRUE\nEND";
+    for (name, expected) in [("main.sub", "0.000"), ("main.src", "0.100")] {
+        let mut system = FakeSystem::default();
+        let joints = depal_frames::JointPositions::zeros(6);
+        let begin = depal_time::SimTime::ZERO;
+        system.moves.push(Motion {
+            begin,
+            end: begin + depal_time::SimDuration::from_millis(100),
+            to: joints,
+            events: Vec::new(),
+        });
+        let mut machine = machine(&[(name, text)]);
+        run(&mut machine, &mut system);
+        assert_eq!(system.trace, [format!("{expected} $OUT[1] = 1")]);
+    }
+    let moves = run_files(&[("main.sub", "DEF main( )\nPTP XHOME\nEND")]);
+    assert!(moves[0].contains("cannot move the arm"), "{moves:?}");
+}
+
+#[test]
 fn another_program_can_be_the_entry() {
     let files = sources(&[
         ("a.src", "DEF a( )\nEND"),

@@ -225,10 +225,11 @@ impl System for FakeSystem {
         events: &[PathEvent],
     ) -> Poll<Result<MoveId, Fault>> {
         for event in events {
+            let PathAction::Set { signal, value } = &event.action else {
+                continue;
+            };
             self.note(format!(
-                "{} = {} {:?} lead {:.3} delay {:.3}",
-                event.signal,
-                event.value,
+                "{signal} = {value} {:?} lead {:.3} delay {:.3}",
                 event.place,
                 event.lead.as_secs_f64(),
                 event.delay.as_secs_f64()

@@ -4,7 +4,7 @@ use super::{Flow, Machine};
 use crate::execution::{RobotTask, Step};
 use crate::plain::Runner;
 use crate::system::{ProgramLocation, System};
-use crate::{Memory, Op, SharedDatum, Value};
+use crate::{Op, SharedDatum, Value};
 
 impl Machine {
     /// Runs statements of plain arithmetic from the statement at which the innermost frame stands, if it can
@@ -44,10 +44,6 @@ impl Machine {
 }
 
 impl RobotTask for Machine {
-    fn memory(&self) -> Option<&Memory> {
-        Some(&self.memory)
-    }
-
     fn step(&mut self, system: &mut dyn System) -> Step {
         if let Some(step) = &self.ended {
             return step.clone();

@@ -1,4 +1,4 @@
-use depal_vm::SourceFile;
+use depal_vm::{Machine, SourceFile};
 
 use super::Translated;
 use crate::language::Language;
@@ -20,6 +20,6 @@ pub(super) fn load(sources: &mut Vec<SourceFile>, entry: &str) -> Translated {
     Translated {
         program: loaded.program,
         diagnostics: loaded.diagnostics,
-        task_name: "ROBOT",
+        task: |program| Box::new(Machine::new(program, "ROBOT")),
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use depal_cell::spec::CellSpec;
 use depal_vm::execution::RobotTask;
-use depal_vm::{Diagnostic, Machine, Program, Severity, SourceFile};
+use depal_vm::{Diagnostic, Program, Severity, SourceFile};
 
 use super::BuildError;
 use crate::files::read_text;
@@ -29,7 +29,8 @@ pub(super) struct LoadedProgram {
 struct Translated {
     program: Option<Arc<Program>>,
     diagnostics: Vec<Diagnostic>,
-    task_name: &'static str,
+    /// Makes the task of the program.
+    task: fn(Arc<Program>) -> Box<dyn RobotTask>,
 }
 
 /// Loads the program files and the interface module as one task. RAPID begins with `main`, the others with the
@@ -60,7 +61,7 @@ pub(super) fn load_program(robot: &Robot, spec: &CellSpec) -> Result<LoadedProgr
     let is_error = |diagnostic: &Diagnostic| diagnostic.severity == Severity::Error;
     match translated.program {
         Some(program) if !translated.diagnostics.iter().any(is_error) => Ok(LoadedProgram {
-            task: Box::new(Machine::new(program, translated.task_name)),
+            task: (translated.task)(program),
             warnings: translated.diagnostics,
             sources,
         }),

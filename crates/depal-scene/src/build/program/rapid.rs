@@ -1,5 +1,5 @@
 use depal_rapid::{SignalDefinition, SignalKind as RapidKind};
-use depal_vm::SourceFile;
+use depal_vm::{Machine, SourceFile};
 
 use super::Translated;
 use crate::robot::{Robot, SignalKind};
@@ -23,6 +23,6 @@ pub(super) fn load(sources: &[SourceFile], robot: &Robot) -> Translated {
     Translated {
         program: loaded.program,
         diagnostics: loaded.diagnostics,
-        task_name: "T_ROB1",
+        task: |program| Box::new(Machine::new(program, "T_ROB1")),
     }
 }

@@ -1,6 +1,6 @@
 use depal_cell::spec::{CellSpec, SectionSignals};
 use depal_frames::EulerConvention;
-use depal_tp::{ByteOrder, GroupOutput, Options};
+use depal_tp::{ByteOrder, GroupOutput, Options, Tasks};
 use depal_vm::SourceFile;
 
 use super::Translated;
@@ -39,6 +39,6 @@ pub(super) fn load(
     Translated {
         program: loaded.program,
         diagnostics: loaded.diagnostics,
-        task_name: "MAIN",
+        task: |program| Box::new(Tasks::new(program, "MAIN")),
     }
 }
