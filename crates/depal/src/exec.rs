@@ -159,10 +159,7 @@ struct Prepared {
 }
 
 /// Everything that can be wrong before anything runs.
-fn prepare(
-    args: &ExecArgs,
-    language: Language,
-) -> Result<Prepared, Failure> {
+fn prepare(args: &ExecArgs, language: Language) -> Result<Prepared, Failure> {
     if let Some(limit) = args.max_sim_s
         && !(limit > 0.0 && limit <= 1e9)
     {

@@ -173,7 +173,8 @@ impl FakeSystem {
                     PathPlace::BeforeEnd(_) => end,
                 };
                 let passed = at + event.delay <= now + event.lead;
-                if passed && let depal_vm::system::PathAction::Set { signal, value } = &event.action {
+                if passed && let depal_vm::system::PathAction::Set { signal, value } = &event.action
+                {
                     due.push((signal.clone(), *value));
                 }
                 !passed
