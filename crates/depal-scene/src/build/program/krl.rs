@@ -4,7 +4,7 @@ use super::Translated;
 use crate::language::Language;
 
 /// KRL files with the Ethernet channels among them, which are moved behind the others.
-pub(super) fn load(sources: &mut Vec<SourceFile>, entry: &str) -> Translated {
+pub(super) fn load(sources: &mut [SourceFile], entry: &str) -> Translated {
     debug_assert!(
         sources
             .iter()
