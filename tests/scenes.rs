@@ -79,9 +79,16 @@ fn a_group_is_told_with_its_size_and_turn() {
             let is_it = event["event"] == "protocol"
                 && event["command"] == command
                 && event["from"] == "vision";
-            let text = event["text"].as_str().filter(|text| is_it && text.starts_with(start))?;
+            let text = event["text"]
+                .as_str()
+                .filter(|text| is_it && text.starts_with(start))?;
             let message = text.split(' ').next()?;
-            Some(message.split(',').filter_map(|cell| cell.parse().ok()).collect())
+            Some(
+                message
+                    .split(',')
+                    .filter_map(|cell| cell.parse().ok())
+                    .collect(),
+            )
         });
         lines.collect()
     };
@@ -92,9 +99,17 @@ fn a_group_is_told_with_its_size_and_turn() {
     assert!(moves.len() >= 2);
     for (round, cells) in moves.iter().enumerate() {
         let plan = &cells[13..34];
-        assert_eq!(plan[10..13], [2.0 * (round + 1) as f64, 2.0, 0.0], "total, now, edge");
+        assert_eq!(
+            plan[10..13],
+            [2.0 * (round + 1) as f64, 2.0, 0.0],
+            "total, now, edge"
+        );
         assert_eq!(plan[13..16], [0.0; 3], "in the middle of the gripper");
-        assert_eq!(plan[16..18], [0.0, 1.0], "the group along the gripper, its cartons across");
+        assert_eq!(
+            plan[16..18],
+            [0.0, 1.0],
+            "the group along the gripper, its cartons across"
+        );
         assert!((600.0..613.0).contains(&plan[18]) && (399.0..406.0).contains(&plan[19]));
         assert_eq!(plan[20], 250.0);
     }

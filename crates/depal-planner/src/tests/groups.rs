@@ -185,7 +185,10 @@ fn the_wrist_bears_no_more_than_it_is_rated_for() {
     let Err(refusal) = loaded(one - 1.0) else {
         panic!("too much for the wrist");
     };
-    assert!(refusal.to_string().contains("turn the wrist with 157 N m"), "{refusal}");
+    assert!(
+        refusal.to_string().contains("turn the wrist with 157 N m"),
+        "{refusal}"
+    );
 }
 
 /// A post beside the pair: together they meet it, one by one they do not.
