@@ -146,13 +146,6 @@ pub(crate) fn nearest_integer(x: f64) -> f64 {
     (x + SHIFT) - SHIFT
 }
 
-/// The same of a number below 2^22.
-#[inline(always)]
-pub(crate) fn nearest_integer_f32(x: f32) -> f32 {
-    const SHIFT: f32 = 12_582_912.0; // 1.5 * 2^23
-    (x + SHIFT) - SHIFT
-}
-
 /// Smooth normal noise of variance one: normal numbers on a lattice, blended between the nodes
 /// with weights whose squares add up to one.
 pub(crate) struct SmoothNoise {

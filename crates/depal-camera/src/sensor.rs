@@ -4,8 +4,7 @@ use rayon::prelude::*;
 use crate::capture::{Capture, NOTHING};
 use crate::light::{KEEP_BITS, LightScratch, Lighting, LitRows, run_length, sigma_of};
 use crate::noise::{
-    Counter, LatticeRows, RowBits, SmoothNoise, add_steps, nearest_integer, nearest_integer_f32,
-    normal, step_thresholds,
+    Counter, LatticeRows, RowBits, SmoothNoise, add_steps, nearest_integer, normal, step_thresholds,
 };
 use crate::raster::EMPTY;
 use crate::{CameraSpec, Rendering};
@@ -318,10 +317,11 @@ impl Sensor<'_> {
             .zip(chances.iter().zip(words))
             .zip(scratch.smooth.iter().zip(&self.bowl.columns));
         if s.quantum > 0.0 {
-            let (steps_per_metre, quantum) = ((1.0 / s.quantum) as f32, s.quantum as f32);
+            let steps_per_metre = 1.0 / s.quantum;
             for (out, (((z, packed), (chance, word)), (soft, bow))) in out.iter_mut().zip(sources) {
                 let (measured, seen) = measure(*z, *packed, *chance, *word, *soft, *bow);
-                let rounded = nearest_integer_f32(measured * steps_per_metre) * quantum;
+                let rounded =
+                    (nearest_integer(f64::from(measured) * steps_per_metre) * s.quantum) as f32;
                 let seen = seen & (rounded >= near) & (rounded <= far);
                 *out = if seen { rounded } else { 0.0 };
             }
