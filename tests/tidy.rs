@@ -106,7 +106,7 @@ const OWNERS: [(&str, &[&str]); 5] = [
     ("k", &["depal-arm"]),
     ("rerun", &["depal-record"]),
     ("parry3d", &["depal-planner"]),
-    ("quick-xml", &["depal-eki"]),
+    ("quick-xml", &["depal-arm", "depal-eki"]),
 ];
 
 fn root() -> PathBuf {
