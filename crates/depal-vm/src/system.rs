@@ -10,6 +10,7 @@ use depal_frames::{JointPositions, Point, Pose};
 use depal_time::{SimDuration, SimTime};
 
 pub use crate::empty_cabinet::EmptyCabinet;
+pub use crate::signal_check::{Relation, SignalCheck};
 
 /// Where in the user's program something was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
@@ -124,6 +125,8 @@ pub enum PathAction {
         /// Its new value.
         value: f64,
     },
+    /// A signal is looked at, and a notice given if it is not as it must be.
+    Check(SignalCheck),
     /// A notice of this name is given; programs [count](System::notices) them.
     Notify(String),
 }
@@ -233,6 +236,28 @@ pub enum LogKind {
     Operator,
     /// The controller's event log (ErrWrite, stops).
     EventLog,
+}
+
+/// Where in the configuration of a controller something stands; all without regard to case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ConfigurationPath<'a> {
+    /// `EIO`, `SYS`, `SIO`.
+    pub domain: &'a str,
+    /// The section, `EIO_SIGNAL`.
+    pub section: &'a str,
+    /// The instance, by its name or, from 1, by its number.
+    pub instance: ConfigurationInstance<'a>,
+    /// What is asked of it.
+    pub attribute: &'a str,
+}
+
+/// An instance of a section of a configuration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ConfigurationInstance<'a> {
+    /// The one of this name.
+    Named(&'a str),
+    /// The one in this place of the section, from 1.
+    Numbered(usize),
 }
 
 /// The cabinet as a program sees it.
@@ -443,6 +468,13 @@ pub trait System {
     /// Waits no longer at a meeting point.
     fn leave_meeting(&mut self, point: &str) {
         let _ = point;
+    }
+    /// An attribute of an instance in the configuration of the controller, as text. An instance that is not there, or
+    /// has no such attribute, is a fault; so is a domain whose configuration the cabinet was not given.
+    fn configuration(&self, path: &ConfigurationPath<'_>) -> Result<String, Fault> {
+        Err(Fault::NotThere {
+            message: format!("a configuration of {}", path.domain),
+        })
     }
     /// Starts a task that waits to be started. A name that is no such task is a fault.
     fn start_task(&mut self, name: &str) -> Result<(), Fault> {

@@ -12,7 +12,7 @@ pub(crate) struct Theme {
 }
 
 /// By theme. A name that comes to run here need not be taken out: what runs wins.
-const THEMES: [Theme; 19] = [
+const THEMES: [Theme; 20] = [
     Theme {
         why: "externally guided motion takes its path from a sensor, and there is none",
         instead: "move to computed targets with MoveL or MoveJ",
@@ -212,23 +212,19 @@ const THEMES: [Theme; 19] = [
         ],
     },
     Theme {
-        why: "data and routines are fixed when the program is loaded, they cannot be looked up by name",
-        instead: "use the data by their names",
-        names: &[
-            "SetDataSearch",
-            "GetNextSym",
-            "GetDataVal",
-            "SetDataVal",
-            "SetAllDataVal",
-            "CallByVar",
-            "GetAllDataVal",
-        ],
+        why: "a procedure is called by a name that is computed in one way only",
+        instead: "write %\"name\" + NumToStr(n, 0)%;",
+        names: &["CallByVar"],
+    },
+    Theme {
+        why: "the speed of the TCP is not carried onto analogue outputs from cycle to cycle",
+        instead: "set the output with TriggIO \\AOp where the flow begins and where it ends",
+        names: &["TriggSpeed", "TriggStopProc"],
     },
     Theme {
         why: "the configuration is read once, at the start",
         instead: "put the value into the scene or the configuration file",
         names: &[
-            "ReadCfgData",
             "WriteCfgData",
             "SaveCfgData",
             "WarmStart",
@@ -320,12 +316,8 @@ const THEMES: [Theme; 19] = [
             "MoveLSync",
             "MoveJSync",
             "MoveCSync",
-            "SyncMoveOn",
-            "SyncMoveOff",
-            "SyncMoveUndo",
             "SyncMoveSuspend",
             "SyncMoveResume",
-            "IsSyncMoveOn",
             "MoveExtJ",
         ],
     },
