@@ -61,9 +61,6 @@ pub(crate) const ERRORS: &[(&str, i64)] = &[
     ("ERR_SYNCMOVEOFF", 1703),
     ("ERR_SYM_ACCESS", 1014),
     ("ERR_SYMBOL_TYPE", 1015),
-    ("ERR_CFG_NOTFND", 1408),
-    ("ERR_CFG_ILLTYPE", 1409),
-    ("ERR_CFG_ILL_DOMAIN", 1410),
     ("LONG_JMP_ALL_ERR", 1999),
 ];
 

@@ -68,8 +68,8 @@ pub use machine::Machine;
 pub use memory::{Frame, Interrupt, Interrupts, Level, Memory, Trigger};
 pub use operators::{BinaryOp, UnaryOp};
 pub use program::{
-    CallParameter, ErrorHandler, ErrorNumber, EventRoutines, LanguageRules, NamedDatum, Op, Program,
-    Routine,
+    CallParameter, ErrorHandler, ErrorNumber, EventRoutines, LanguageRules, NamedDatum, Op,
+    Program, Routine,
 };
 pub use report::{Report, ReportFilter};
 pub use shared::{SharedDatum, SharingConflict, sharing_conflicts};

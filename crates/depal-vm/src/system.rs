@@ -238,28 +238,6 @@ pub enum LogKind {
     EventLog,
 }
 
-/// Where in the configuration of a controller something stands; all without regard to case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ConfigurationPath<'a> {
-    /// `EIO`, `SYS`, `SIO`.
-    pub domain: &'a str,
-    /// The section, `EIO_SIGNAL`.
-    pub section: &'a str,
-    /// The instance, by its name or, from 1, by its number.
-    pub instance: ConfigurationInstance<'a>,
-    /// What is asked of it.
-    pub attribute: &'a str,
-}
-
-/// An instance of a section of a configuration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ConfigurationInstance<'a> {
-    /// The one of this name.
-    Named(&'a str),
-    /// The one in this place of the section, from 1.
-    Numbered(usize),
-}
-
 /// The cabinet as a program sees it.
 pub trait System {
     /// Simulated time of the statement now executing (moves on between statements).
@@ -468,13 +446,6 @@ pub trait System {
     /// Waits no longer at a meeting point.
     fn leave_meeting(&mut self, point: &str) {
         let _ = point;
-    }
-    /// An attribute of an instance in the configuration of the controller, as text. An instance that is not there, or
-    /// has no such attribute, is a fault; so is a domain whose configuration the cabinet was not given.
-    fn configuration(&self, path: &ConfigurationPath<'_>) -> Result<String, Fault> {
-        Err(Fault::NotThere {
-            message: format!("a configuration of {}", path.domain),
-        })
     }
     /// Starts a task that waits to be started. A name that is no such task is a fault.
     fn start_task(&mut self, name: &str) -> Result<(), Fault> {

@@ -187,7 +187,9 @@ fn set_all_data_val(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
 fn set_data_search(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     own_task(context, 6)?;
     if context.is_given(8) {
-        return Err(context.argument_error("SetDataSearch \\InRout: data of routines are not found"));
+        return Err(
+            context.argument_error("SetDataSearch \\InRout: data of routines are not found")
+        );
     }
     let (persistent, variable, constant) = (
         context.is_given(3),

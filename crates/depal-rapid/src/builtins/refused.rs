@@ -12,7 +12,7 @@ pub(crate) struct Theme {
 }
 
 /// By theme. A name that comes to run here need not be taken out: what runs wins.
-const THEMES: [Theme; 20] = [
+const THEMES: [Theme; 21] = [
     Theme {
         why: "externally guided motion takes its path from a sensor, and there is none",
         instead: "move to computed targets with MoveL or MoveJ",
@@ -222,14 +222,14 @@ const THEMES: [Theme; 20] = [
         names: &["TriggSpeed", "TriggStopProc"],
     },
     Theme {
+        why: "of the configuration files only signals, cross connections, tasks, modules, event routines and the retry limit are kept, so most attributes have no value to give",
+        instead: "keep the value in a PERS of a system module, or ask the signal itself",
+        names: &["ReadCfgData"],
+    },
+    Theme {
         why: "the configuration is read once, at the start",
         instead: "put the value into the scene or the configuration file",
-        names: &[
-            "WriteCfgData",
-            "SaveCfgData",
-            "WarmStart",
-            "SetSysData",
-        ],
+        names: &["WriteCfgData", "SaveCfgData", "WarmStart", "SetSysData"],
     },
     Theme {
         why: "there is no conveyor that the arm follows",

@@ -1,9 +1,9 @@
 use depal_vm::{Builtin, BuiltinFn};
 
 use super::{
-    analog, data_by_name, dialogs, event_log, files, geometry, information, interrupts, io, maths, messages, motion,
-    operator, path, positions, rawbytes, search, settings, socket, strings, tasks, timing,
-    triggers,
+    analog, data_by_name, dialogs, event_log, files, geometry, information, interrupts, io, maths,
+    messages, motion, operator, path, positions, rawbytes, search, settings, socket, strings,
+    tasks, timing, triggers,
 };
 use crate::syntax::parser::parse_heading;
 use crate::syntax::tree::Routine;

@@ -44,9 +44,8 @@ fn names(context: &CallContext<'_>, index: usize) -> Result<Vec<String>, RaisedE
         return Err(context.argument_error("the task list is an array of tasks"));
     };
     let names: Option<Vec<_>> = items.iter().map(only_text).collect();
-    names.ok_or_else(|| {
-        context.argument_error("a task in the list has no name, as in [\"T_ROB1\"]")
-    })
+    names
+        .ok_or_else(|| context.argument_error("a task in the list has no name, as in [\"T_ROB1\"]"))
 }
 
 /// Waits until every task of the list is at the point of this name.

@@ -1,9 +1,7 @@
 //! Outputs that are set and interrupts that come at a place or a time on the way of a move.
 
 use depal_time::SimDuration;
-use depal_vm::system::{
-    MoveKind, PathAction, PathEvent, PathPlace, Relation, SignalCheck, System,
-};
+use depal_vm::system::{MoveKind, PathAction, PathEvent, PathPlace, Relation, SignalCheck, System};
 use depal_vm::{CallContext, Outcome, RaisedError, Trigger, Value};
 
 use super::interrupts::order;
