@@ -155,9 +155,10 @@ fn matching(
     fits: &dyn Fn(&NamedDatum) -> bool,
 ) -> Result<Vec<usize>, RaisedError> {
     let kind = context.string(kind)?;
-    let pattern = match context.is_given(pattern) {
-        true => Some(context.string(pattern)?.to_lowercase()),
-        false => None,
+    let pattern = if context.is_given(pattern) {
+        Some(context.string(pattern)?.to_lowercase())
+    } else {
+        None
     };
     let data = context.program.data.iter().enumerate();
     let found = data.filter(|(_, datum)| {
@@ -197,9 +198,10 @@ fn set_data_search(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
         context.is_given(5),
     );
     let any = !(persistent || variable || constant);
-    let module = match context.is_given(7) {
-        true => Some(context.string(7)?),
-        false => None,
+    let module = if context.is_given(7) {
+        Some(context.string(7)?)
+    } else {
+        None
     };
     let (global, local) = (context.is_given(9), context.is_given(10));
     let found = matching(context, 0, 2, &|datum| {
@@ -214,7 +216,7 @@ fn set_data_search(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
         (any || class)
             && home.is_none_or(|home| home.eq_ignore_ascii_case(&datum.module))
             && !(global && datum.is_local)
-            && !(local && !datum.is_local)
+            && (!local || datum.is_local)
     })?;
     context.memory.found = found.into_iter().map(|slot| slot as u32).collect();
     done()
