@@ -6,7 +6,7 @@ use depal_arm::Arm;
 use depal_frames::JointPositions;
 use depal_motion::Trajectory;
 use depal_time::{SimDuration, SimTime};
-use depal_vm::system::{Fault, PathAction};
+use depal_vm::system::{Fault, PathAction, SignalCheck};
 
 use crate::free_motion::FreeMotion;
 use crate::mechanism::Mechanism;
@@ -238,7 +238,23 @@ impl Cabinet {
                 let _ = self.change(fired.at, &signal, value, false);
             }
             PathAction::Set { signal, value } => self.later.push((fired.at, signal, value)),
+            PathAction::Check(check) => self.look(&check, fired.at),
             PathAction::Notify(name) => *self.notices.entry(name).or_default() += 1,
+        }
+    }
+
+    /// Compares a signal as it is now; when it is not as it must be, a notice is given and the arm may stop.
+    fn look(&mut self, check: &SignalCheck, at: SimTime) {
+        // That the signal is there was found out when the check was made.
+        let value = self.signals.get(&check.signal).map_or(0.0, |s| s.value);
+        if check.relation.holds(value, check.value) {
+            return;
+        }
+        *self.notices.entry(check.notice.clone()).or_default() += 1;
+        if check.stops {
+            // It is asked again, or taken up, by the program.
+            let from = at.max(self.cycle_limit);
+            let _ = self.motion.hold(from, &mut self.fresh);
         }
     }
 

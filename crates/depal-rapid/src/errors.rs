@@ -57,6 +57,10 @@ pub(crate) const ERRORS: &[(&str, i64)] = &[
     ("ERR_CNTNOTVAR", 1602),
     ("ERR_UNKINO", 1603),
     ("ERR_WAITSYNCTASK", 1701),
+    ("ERR_SYNCMOVEON", 1702),
+    ("ERR_SYNCMOVEOFF", 1703),
+    ("ERR_SYM_ACCESS", 1014),
+    ("ERR_SYMBOL_TYPE", 1015),
     ("LONG_JMP_ALL_ERR", 1999),
 ];
 

@@ -36,7 +36,11 @@
 //! Limitations: a call by name takes no optional arguments; BACKWARD is read and never run; the
 //! configuration data of a target must be reached unless ConfJ and ConfL are off, as on the controller, where a line
 //! cannot choose and the quarter turns of joints 1, 4 and 6 count; external axes, stationary
-//! tools and coordinated work objects are refused. `built_in_names` lists what is there.
+//! tools and coordinated work objects are refused.
+//! SyncMoveOn and SyncMoveOff let tasks meet with the arm at rest; a cabinet has one arm, so in between one task moves
+//! it and the moves of another are refused, \ID is read and orders nothing. IError is ordered by the messages of its
+//! own task (ErrWrite, ErrLog, ErrRaise), not by those of the controller or of other tasks; an error that a handler
+//! takes is no message. Data found by name are module data of the own task. `built_in_names` lists what is there.
 //!
 //! Not affiliated with any vendor; RAPID is a language of ABB.
 

@@ -14,7 +14,15 @@ MODULE predefined(SYSMODULE)
   RECORD wobjdata bool robhold; bool ufprog; string ufmec; pose uframe; pose oframe; ENDRECORD
 
   ! What TriggIO, TriggEquip and TriggInt define: kind (0 not yet), distance in mm, lead and delay in s, output, value, interrupt (0 none).
-  RECORD triggdata num kind; num distance; num lead; num delay; string output; dnum level; num interrupt; ENDRECORD
+  ! TriggCheckIO: the signal, the value it is compared with, how (0: nothing is compared), whether the arm stops.
+  RECORD triggdata num kind; num distance; num lead; num delay; string output; dnum level; num interrupt; num relation; bool stops; ENDRECORD
+  RECORD triggios bool used; num distance; bool start; num equiplag; string signalname; num setvalue; num xxx; ENDRECORD
+  RECORD triggiosdnum bool used; num distance; bool start; num equiplag; string signalname; dnum setvalue; num xxx; ENDRECORD
+  RECORD triggstrgo bool used; num distance; bool start; num equiplag; string signalname; stringdig setvalue; num xxx; ENDRECORD
+  ! What GetTrapData takes down of the message that ordered the interrupt.
+  RECORD trapdata bool taken; num domain; num identity; num severity; string title; string str1; string str2; string str3; string str4; string str5; ENDRECORD
+  ! Where GetNextSym found a datum: its place, from 1.
+  RECORD datapos num place; ENDRECORD
   ! A file: its path in the program's folder, what it is open for (0 not open, 1 to read, 2 to write), the position.
   RECORD iodev string path; dnum purpose; dnum position; ENDRECORD
   ! A meeting point of tasks: its name is the name of the variable.
@@ -90,6 +98,33 @@ MODULE predefined(SYSMODULE)
   CONST num high := 1;
   CONST num low := 0;
   CONST num edge := 2;
+  CONST opnum LT := 1;
+  CONST opnum LTEQ := 2;
+  CONST opnum EQ := 3;
+  CONST opnum NOTEQ := 4;
+  CONST opnum GTEQ := 5;
+  CONST opnum GT := 6;
+  CONST errdomain COMMON_ERR := 0;
+  CONST errdomain OP_STATE := 1;
+  CONST errdomain SYSTEM_ERR := 2;
+  CONST errdomain HARDWARE_ERR := 3;
+  CONST errdomain PROGRAM_ERR := 4;
+  CONST errdomain MOTION_ERR := 5;
+  CONST errdomain OPERATOR_ERR := 6;
+  CONST errdomain IO_COM_ERR := 7;
+  CONST errdomain USER_DEF_ERR := 8;
+  CONST errdomain OPTION_PROD_ERR := 9;
+  CONST errdomain PROCESS_ERR := 11;
+  CONST errdomain CFG_ERR := 12;
+  CONST errtype TYPE_ALL := 0;
+  CONST errtype TYPE_STATE := 1;
+  CONST errtype TYPE_WARN := 2;
+  CONST errtype TYPE_ERR := 3;
+  ! Marks that ErrLog and ErrRaise fill in.
+  CONST errstr ERRSTR_EMPTY := "";
+  CONST errstr ERRSTR_UNUSED := "";
+  CONST errstr ERRSTR_TASK := "\01";
+  CONST errstr ERRSTR_CONTEXT := "\02";
   CONST num AIO_ABOVE_HIGH := 1;
   CONST num AIO_BELOW_HIGH := 2;
   CONST num AIO_ABOVE_LOW := 3;

@@ -85,8 +85,8 @@ pub const OPEN_RULES: [OpenRule; 11] = [
     OpenRule {
         question: "With what do ISignalAI and ISignalAO compare a value by DeltaValue?",
         answer: "With the value at the last interrupt, before the first with that when it was ordered; the interrupt comes when the difference is larger and the condition holds.",
-        example: "TPWrite ValToStr(AIO_ABOVE_HIGH) + ValToStr(AIO_ALWAYS);",
-        output: &["17"],
+        example: "CONNECT i WITH t; ISignalAO ao_flow, AIO_ALWAYS, 0, 0, 1, i; SetAO ao_flow, 0.75; SetAO ao_flow, 1.5; SetAO ao_flow, 2.25; SetAO ao_flow, 3; SetAO ao_flow, 3.75; WaitTime 0.1;",
+        output: &["1.5", "3"],
     },
     OpenRule {
         question: "How exactly must a joint stand in the quarter turn that the configuration data of a target name, while ConfJ or ConfL is on?",

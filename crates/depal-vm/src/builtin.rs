@@ -2,7 +2,7 @@ use depal_time::{SimDuration, SimTime};
 
 use crate::memory::Memory;
 use crate::system::{Fault, ProgramLocation, System};
-use crate::{LanguageRules, MachineFault, RaisedError, Value};
+use crate::{LanguageRules, MachineFault, Program, RaisedError, Value};
 
 /// What a built-in answered.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +11,8 @@ pub enum Outcome {
     Done(Value),
     /// Not yet: it is asked again in the next tick, with the same arguments, start time and notes.
     Blocked,
+    /// The program itself raises an error: inside an error clause it goes to the caller.
+    Raise(RaisedError),
     /// The program stops here, with the reason in words.
     Stop(String),
     /// The program begins anew at its entry; module data keep their values.
@@ -50,6 +52,8 @@ pub struct CallContext<'a> {
     pub location: &'a ProgramLocation,
     /// Rules of the language.
     pub rules: &'a LanguageRules,
+    /// The program, to find data by their names.
+    pub program: &'a Program,
 }
 
 impl CallContext<'_> {

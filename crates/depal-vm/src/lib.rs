@@ -53,7 +53,9 @@ mod memory;
 mod operators;
 mod plain;
 mod program;
+mod report;
 mod shared;
+mod signal_check;
 mod span;
 pub mod system;
 mod value;
@@ -66,8 +68,10 @@ pub use machine::Machine;
 pub use memory::{Frame, Interrupt, Interrupts, Level, Memory, Trigger};
 pub use operators::{BinaryOp, UnaryOp};
 pub use program::{
-    CallParameter, ErrorHandler, ErrorNumber, EventRoutines, LanguageRules, Op, Program, Routine,
+    CallParameter, ErrorHandler, ErrorNumber, EventRoutines, LanguageRules, NamedDatum, Op,
+    Program, Routine,
 };
+pub use report::{Report, ReportFilter};
 pub use shared::{SharedDatum, SharingConflict, sharing_conflicts};
 pub use span::{LineColumn, SourceFile, Span};
 pub use value::{ClockState, RAW_BYTES_LIMIT, RawBytes, Reference, Root, Value};

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, VecDeque};
 use depal_time::{SimDuration, SimTime};
 
 use crate::system::{MoveId, SocketId};
-use crate::{MachineFault, RaisedError, Reference, Root, Value};
+use crate::{MachineFault, RaisedError, Reference, Report, ReportFilter, Root, Value};
 
 /// A built-in that has been called and has not answered yet.
 #[derive(Debug, Clone)]
@@ -102,6 +102,8 @@ pub enum Trigger {
         /// How many there were when it was last looked.
         last: u64,
     },
+    /// The program puts a message into the event log.
+    Report(ReportFilter),
     /// Time passes.
     Timer {
         /// From one to the next.
@@ -149,6 +151,8 @@ pub struct Interrupts {
     pub queued: VecDeque<u32>,
     /// Held back: they are queued.
     pub disabled: bool,
+    /// Messages whose interrupts are queued, by the number of the interrupt.
+    pub(crate) reported: VecDeque<(u32, Report)>,
     /// How many were ever connected.
     pub(crate) given: u32,
 }
@@ -181,6 +185,8 @@ pub struct Frame {
     pub(crate) retried_statement: Option<u32>,
     /// Number of the interrupt whose routine this is.
     pub(crate) interrupt: Option<u32>,
+    /// The message that ordered it.
+    pub(crate) report: Option<Box<Report>>,
     /// Whether its UNDO clause runs.
     pub(crate) undoing: bool,
     /// Whether it is a routine of an event: its errors do not reach the routines below.
@@ -207,6 +213,10 @@ pub struct Memory {
     pub unread: BTreeMap<SocketId, Vec<u8>>,
     /// Interrupts.
     pub interrupts: Interrupts,
+    /// Tasks that this one moves in step with, itself among them; empty while it moves alone.
+    pub partners: Vec<String>,
+    /// Data found by a search by name that have not been handed out yet, by their place among the globals.
+    pub found: VecDeque<u32>,
 }
 
 impl Memory {

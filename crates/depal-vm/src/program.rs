@@ -247,6 +247,23 @@ pub struct EventRoutines {
     pub on_restart: Vec<u32>,
 }
 
+/// What a program that looks for a global by its name is told.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct NamedDatum {
+    /// As spelled in the source.
+    pub name: String,
+    /// The module that declares it; empty for the language's own.
+    pub module: String,
+    /// Its type; that of its elements if it is an array.
+    pub kind: String,
+    /// Whether other modules do not see it.
+    pub is_local: bool,
+    /// Whether it keeps its value from run to run.
+    pub is_persistent: bool,
+    /// Whether it cannot be changed.
+    pub is_constant: bool,
+}
+
 /// A whole program, checked and lowered. Shared by all machines that run it.
 #[derive(Debug, Clone, Default)]
 pub struct Program {
@@ -260,6 +277,8 @@ pub struct Program {
     pub globals: Vec<Value>,
     /// Name of each global, for the debugger and tests.
     pub global_names: Vec<String>,
+    /// What is known of each global, in languages that find data by their names; else empty.
+    pub data: Vec<NamedDatum>,
     /// The built-ins that `CallBuiltin` means.
     pub builtins: Vec<Builtin>,
     /// Data that tasks of one cabinet share by name.
@@ -271,6 +290,16 @@ pub struct Program {
 }
 
 impl Program {
+    /// Slot of the global that a module sees under a name, without regard to case: its own comes first.
+    pub fn visible_datum(&self, name: &str, module: &str) -> Option<usize> {
+        let named = |datum: &NamedDatum| datum.name.eq_ignore_ascii_case(name);
+        let own = |d: &NamedDatum| named(d) && d.module.eq_ignore_ascii_case(module);
+        let position = |wanted: &dyn Fn(&NamedDatum) -> bool| self.data.iter().position(wanted);
+        position(&own)
+            .or_else(|| position(&|d| named(d) && !d.is_local && !d.module.is_empty()))
+            .or_else(|| position(&|d| named(d) && d.module.is_empty()))
+    }
+
     /// Slot of a global by its name, without regard to case; the first of that name.
     pub fn global(&self, name: &str) -> Option<usize> {
         self.global_names

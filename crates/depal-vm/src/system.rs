@@ -10,6 +10,7 @@ use depal_frames::{JointPositions, Point, Pose};
 use depal_time::{SimDuration, SimTime};
 
 pub use crate::empty_cabinet::EmptyCabinet;
+pub use crate::signal_check::{Relation, SignalCheck};
 
 /// Where in the user's program something was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
@@ -124,6 +125,8 @@ pub enum PathAction {
         /// Its new value.
         value: f64,
     },
+    /// A signal is looked at, and a notice given if it is not as it must be.
+    Check(SignalCheck),
     /// A notice of this name is given; programs [count](System::notices) them.
     Notify(String),
 }

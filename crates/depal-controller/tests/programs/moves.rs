@@ -128,6 +128,27 @@ fn configuration_is_reached_or_refused() {
     .finished();
 }
 
+/// Joint 6 may stand at most 45 degrees beside the quarter turn that the target names.
+#[test]
+fn the_margin_of_a_configuration_is_45_degrees() {
+    let to = |degrees: f64, quarter: i32, instruction: &str| {
+        run(&format!(
+            "MoveAbsJ [[10,10,10,20,60,{degrees}],[9E9,9E9,9E9,9E9,9E9,9E9]],v1000,fine,tTool;\np0 := CRobT(\\Tool:=tTool);\np0.robconf.cf6 := {quarter};\n{instruction} p0,v1000,fine,tTool;"
+        ))
+    };
+    for (degrees, quarter) in [(134.0, 0), (46.0, 1), (-44.0, 0), (44.0, -1)] {
+        for instruction in ["MoveJ", "MoveL"] {
+            to(degrees, quarter, instruction).finished();
+        }
+    }
+    for (degrees, quarter) in [(136.0, 0), (44.0, 1), (-46.0, 0), (46.0, -1)] {
+        for instruction in ["MoveJ", "MoveL"] {
+            let failure = to(degrees, quarter, instruction).failure();
+            assert_eq!(failure.0, "ERR_ROBLIMIT", "{degrees} {quarter}");
+        }
+    }
+}
+
 #[test]
 fn limits_are_errors_at_the_line_of_the_move() {
     let told = run(

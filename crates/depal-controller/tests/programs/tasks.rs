@@ -395,3 +395,44 @@ fn exit_is_no_stop_and_errors_of_events_are_fatal() {
     assert!(matches!(state, ControllerState::Failed(_)), "{state:?}");
     assert!(lines.is_empty());
 }
+
+const IN_STEP: &str = "PERS tasks all{2} := [[\"T_ROB1\"],[\"T_SIDE\"]];\nVAR syncident on;\nVAR syncident off;\nFUNC string mode()\nIF IsSyncMoveOn() RETURN \" in step\";\nRETURN \" alone\";\nENDFUNC";
+
+/// The tasks meet where they begin and where they end to move in step; the cabinet has one arm, so one of them moves.
+#[test]
+fn tasks_that_move_in_step_meet_at_both_ends() {
+    let told = run(
+        module(
+            "a",
+            IN_STEP,
+            "TPWrite \"a\" + mode();\nSyncMoveOn on, all;\nTPWrite \"a\" + mode();\nWaitTime 1;\nSyncMoveOff off;\nTPWrite \"a\" + mode();",
+        ),
+        module(
+            "b",
+            IN_STEP,
+            "WaitTime 0.5;\nTPWrite \"b\";\nSyncMoveOn on, all;\nWaitTime 0.2;\nTPWrite \"b waits\";\nSyncMoveOff off;\nWaitTime 0.1;\nTPWrite \"b\" + mode();",
+        ),
+    )
+    .finished();
+    assert_eq!(
+        told.lines,
+        ["a alone", "b", "a in step", "b waits", "a alone", "b alone"]
+    );
+}
+
+#[test]
+fn moving_in_step_that_does_not_come_about_is_an_error() {
+    let rest = module("b", IN_STEP, "WaitTime 2;");
+    let late = module("a", IN_STEP, "SyncMoveOn on, all \\TimeOut:=0.5;");
+    assert_eq!(run(late, rest.clone()).failure().0, "ERR_SYNCMOVEON");
+    let never = module("a", IN_STEP, "SyncMoveOff off;");
+    assert_eq!(run(never, rest).failure().0, "ERR_SYNCMOVEOFF");
+    // Undone, it can begin anew, and nobody is waited for.
+    let undone = "SyncMoveOn on, all;\nSyncMoveUndo;\nTPWrite \"a\" + mode();";
+    let told = run(
+        module("a", IN_STEP, undone),
+        module("b", IN_STEP, "SyncMoveOn on, all;\nSyncMoveUndo;"),
+    )
+    .finished();
+    assert_eq!(told.lines, ["a alone"]);
+}

@@ -146,3 +146,86 @@ fn an_interrupt_comes_at_a_level() {
         ["2", "9"]
     );
 }
+
+/// The interrupt comes only if the signal is not as it must be where the arm passes.
+#[test]
+fn a_signal_is_checked_at_a_place_of_the_path() {
+    let check = "CONNECT iPassed WITH passed;\nTriggCheckIO trigg,100,di1,EQ,1,iPassed;\n";
+    let go = "TriggL Offs(p0,400,0,0),v500,trigg,fine,tTool;\nTPWrite \"over\";";
+    let program = format!("{check}{go}");
+    let there = [(0.2, "di1", 1.0)];
+    assert_eq!(
+        run_with(&program, PASSED, &[]).finished().lines,
+        ["passed", "over"]
+    );
+    assert_eq!(
+        run_with(&program, PASSED, &there).finished().lines,
+        ["over"]
+    );
+    // It is there, but goes before the arm passes.
+    let gone = [(0.2, "di1", 1.0), (0.4, "di1", 0.0)];
+    assert_eq!(
+        run_with(&program, PASSED, &gone).finished().lines,
+        ["passed", "over"]
+    );
+    for (relation, passes) in [
+        ("NOTEQ", true),
+        ("LT", true),
+        ("GTEQ", false),
+        ("GT", false),
+    ] {
+        let lines = run_with(
+            &program.replace("EQ,1", &format!("{relation},1")),
+            PASSED,
+            &[],
+        )
+        .finished()
+        .lines;
+        assert_eq!(lines.len() == 1, passes, "{relation} {lines:?}");
+    }
+    let wrong = run_with(&program.replace("EQ,1", "7,1"), PASSED, &[]);
+    assert_eq!(wrong.failure().0, "ERR_ARGVALERR");
+}
+
+/// With \StopMove the arm stops on its path at once, and StartMove in the trap lets it go on to its end.
+#[test]
+fn a_check_that_fails_stops_the_arm() {
+    let program = "CONNECT iPassed WITH passed;\nTriggCheckIO trigg,200,di1,EQ,1\\StopMove,iPassed;\nTriggL Offs(p0,400,0,0),v500,trigg,fine,tTool;\nTPWrite \"over\";";
+    let trap = "TRAP passed\nTPWrite \"waits\";\nWaitDI di1,1;\nStartMove;\nENDTRAP";
+    let told = run_with(program, trap, &[(5.0, "di1", 1.0)]).finished();
+    assert_eq!(told.lines, ["waits", "over"]);
+    let (stands, later) = (told.at(2.0), told.at(4.9));
+    assert!((stands - later).norm() < 1e-9);
+    let left = (told.end() - later).norm();
+    assert!((0.05..0.2).contains(&left), "{left}");
+    // The signal is there: the arm does not stop.
+    let told = run_with(program, trap, &[(0.1, "di1", 1.0)]).finished();
+    assert_eq!(told.lines, ["over"]);
+    assert!((told.end() - told.at(2.0)).norm() < 1e-6);
+}
+
+#[test]
+fn outputs_of_arrays_fire_at_their_places() {
+    let data = "VAR triggios ios{3} := [[TRUE,100,FALSE,0,\"do1\",1,0],[TRUE,100,TRUE,0,\"do2\",1,0],[FALSE,50,FALSE,0,\"nowhere\",1,0]];\nVAR triggstrgo gos{1} := [[TRUE,200,FALSE,0,\"go1\",\"42\",0]];";
+    let go = "TriggLIOs Offs(p0,400,0,0),v500\\TriggData1:=ios\\TriggData2:=gos,fine,tTool;\nTPWrite ValToStr(GOutput(go1));";
+    let told = run_with(go, data, &[]).finished();
+    assert_eq!(told.lines, ["42"]);
+    assert!((left(&told, told.edge("do1")) - 0.1).abs() < 1e-3);
+    assert!((left(&told, told.edge("do2")) - 0.3).abs() < 1e-3);
+    // A signal that is used and not there is an error at the line of the move.
+    let told = run_with(go, &data.replace("FALSE,50", "TRUE,50"), &[]);
+    assert_eq!(told.failure().0, "ERR_NO_ALIASIO_DEF");
+}
+
+/// A slow change adds up: it is compared with the value at the last interrupt, not with the one before.
+#[test]
+fn a_level_is_compared_with_that_of_the_last_interrupt() {
+    let inputs: Vec<_> = (1..=9)
+        .map(|i| (0.1 * f64::from(i), "ai1", 0.5 * f64::from(i)))
+        .collect();
+    let trap = "TRAP passed\nTPWrite ValToStr(AInput(ai1));\nENDTRAP";
+    let statements =
+        "CONNECT iPassed WITH passed;\nISignalAI ai1,AIO_ALWAYS,5,0,1,iPassed;\nWaitTime 1.2;";
+    let told = run_with(statements, trap, &inputs).finished();
+    assert_eq!(told.lines, ["1.5", "3", "4.5"]);
+}

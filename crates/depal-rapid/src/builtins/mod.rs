@@ -1,7 +1,9 @@
 //! Instructions and functions of the controller, by theme. Each is a heading in RAPID and its code.
 
 mod analog;
+mod data_by_name;
 mod dialogs;
+mod event_log;
 mod files;
 mod geometry;
 mod information;

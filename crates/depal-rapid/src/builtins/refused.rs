@@ -12,7 +12,7 @@ pub(crate) struct Theme {
 }
 
 /// By theme. A name that comes to run here need not be taken out: what runs wins.
-const THEMES: [Theme; 19] = [
+const THEMES: [Theme; 21] = [
     Theme {
         why: "externally guided motion takes its path from a sensor, and there is none",
         instead: "move to computed targets with MoveL or MoveJ",
@@ -212,28 +212,24 @@ const THEMES: [Theme; 19] = [
         ],
     },
     Theme {
-        why: "data and routines are fixed when the program is loaded, they cannot be looked up by name",
-        instead: "use the data by their names",
-        names: &[
-            "SetDataSearch",
-            "GetNextSym",
-            "GetDataVal",
-            "SetDataVal",
-            "SetAllDataVal",
-            "CallByVar",
-            "GetAllDataVal",
-        ],
+        why: "a procedure is called by a name that is computed in one way only",
+        instead: "write %\"name\" + NumToStr(n, 0)%;",
+        names: &["CallByVar"],
+    },
+    Theme {
+        why: "the speed of the TCP is not carried onto analogue outputs from cycle to cycle",
+        instead: "set the output with TriggIO \\AOp where the flow begins and where it ends",
+        names: &["TriggSpeed", "TriggStopProc"],
+    },
+    Theme {
+        why: "of the configuration files only signals, cross connections, tasks, modules, event routines and the retry limit are kept, so most attributes have no value to give",
+        instead: "keep the value in a PERS of a system module, or ask the signal itself",
+        names: &["ReadCfgData"],
     },
     Theme {
         why: "the configuration is read once, at the start",
         instead: "put the value into the scene or the configuration file",
-        names: &[
-            "ReadCfgData",
-            "WriteCfgData",
-            "SaveCfgData",
-            "WarmStart",
-            "SetSysData",
-        ],
+        names: &["WriteCfgData", "SaveCfgData", "WarmStart", "SetSysData"],
     },
     Theme {
         why: "there is no conveyor that the arm follows",
@@ -320,12 +316,8 @@ const THEMES: [Theme; 19] = [
             "MoveLSync",
             "MoveJSync",
             "MoveCSync",
-            "SyncMoveOn",
-            "SyncMoveOff",
-            "SyncMoveUndo",
             "SyncMoveSuspend",
             "SyncMoveResume",
-            "IsSyncMoveOn",
             "MoveExtJ",
         ],
     },

@@ -1,9 +1,9 @@
 use depal_vm::{Builtin, BuiltinFn};
 
 use super::{
-    analog, dialogs, files, geometry, information, interrupts, io, maths, messages, motion,
-    operator, path, positions, rawbytes, search, settings, socket, strings, tasks, timing,
-    triggers,
+    analog, data_by_name, dialogs, event_log, files, geometry, information, interrupts, io, maths,
+    messages, motion, operator, path, positions, rawbytes, search, settings, socket, strings,
+    tasks, timing, triggers,
 };
 use crate::syntax::parser::parse_heading;
 use crate::syntax::tree::Routine;
@@ -32,32 +32,18 @@ pub(super) const REFUSED: &[&str] = &[
     "StepBwdPath",
     "IODisable",
     "IOEnable",
-    "IError",
     "IPathPos",
     "SocketSendTo",
     "SocketReceiveFrom",
     "SocketPeek",
     "WriteAnyBin",
-    "GetTrapData",
-    "GetDataVal",
-    "SetDataVal",
-    "ReadCfgData",
     "WriteCfgData",
-    "ReadErrData",
-    "ErrRaise",
-    "ErrLog",
     "PDispOff",
     "ActUnit",
     "DeactUnit",
-    "TriggCheckIO",
-    "TriggSpeed",
-    "TriggLIOs",
-    "TriggStopProc",
     "WZBoxDef",
     "WZDOSet",
     "ReadAnyBin",
-    "SyncMoveOn",
-    "SyncMoveOff",
     "Load",
     "UnLoad",
     "StartLoad",
@@ -69,7 +55,6 @@ pub(super) const REFUSED: &[&str] = &[
     "EOffsOff",
     "PDispSet",
     "PDispOn",
-    "CallByVar",
 ];
 
 /// Names of all instructions and functions that run here.
@@ -85,8 +70,10 @@ pub fn built_in_names() -> Vec<&'static str> {
 }
 
 pub(super) fn entries() -> Vec<Entry> {
-    let themes: [&[Entry]; 21] = [
+    let themes: [&[Entry]; 23] = [
         &analog::ENTRIES,
+        &data_by_name::ENTRIES,
+        &event_log::ENTRIES,
         &dialogs::ENTRIES,
         &files::ENTRIES,
         &information::ENTRIES,

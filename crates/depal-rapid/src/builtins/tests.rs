@@ -7,7 +7,7 @@ use std::task::Poll;
 use depal_frames::{JointPositions, Pose};
 use depal_time::SimTime;
 use depal_vm::system::*;
-use depal_vm::{CallContext, Interrupt, LanguageRules, Memory, Outcome, Trigger, Value};
+use depal_vm::{CallContext, Interrupt, LanguageRules, Memory, Outcome, Program, Trigger, Value};
 
 use super::refused;
 use super::table::{LOWERED, Table, entries, name_of};
@@ -98,10 +98,11 @@ impl System for Untouched {
     fn statement(&mut self, _: &ProgramLocation) {}
 }
 
-/// Memories to run in: nothing there, and an interrupt connected while they are held back.
+/// Memories to run in: nothing there, and an interrupt connected while they are held back and tasks move in step.
 fn memories() -> [Memory; 2] {
     let mut busy = Memory::default();
     busy.interrupts.disabled = true;
+    busy.partners.push("T_ROB1".into());
     busy.interrupts.connected.push(Interrupt {
         number: 0,
         routine: 0,
@@ -125,6 +126,7 @@ fn leaves_alone(run: depal_vm::BuiltinFn, mut memory: Memory) -> bool {
     let (mut arguments, mut notes) = (Vec::new(), Vec::new());
     let location = ProgramLocation::default();
     let rules = LanguageRules::default();
+    let program = Program::default();
     let mut context = CallContext {
         arguments: &mut arguments,
         started: SimTime::ZERO,
@@ -132,6 +134,7 @@ fn leaves_alone(run: depal_vm::BuiltinFn, mut memory: Memory) -> bool {
         memory: &mut memory,
         location: &location,
         rules: &rules,
+        program: &program,
     };
     let outcome = run(&mut context, &mut system);
     matches!(outcome, Ok(Outcome::Done(Value::Absent)))

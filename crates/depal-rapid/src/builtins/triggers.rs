@@ -1,7 +1,7 @@
 //! Outputs that are set and interrupts that come at a place or a time on the way of a move.
 
 use depal_time::SimDuration;
-use depal_vm::system::{MoveKind, PathAction, PathEvent, PathPlace, System};
+use depal_vm::system::{MoveKind, PathAction, PathEvent, PathPlace, Relation, SignalCheck, System};
 use depal_vm::{CallContext, Outcome, RaisedError, Trigger, Value};
 
 use super::interrupts::order;
@@ -11,7 +11,7 @@ use super::table::Entry;
 
 type Ran = Result<Outcome, RaisedError>;
 
-pub(super) const ENTRIES: [Entry; 6] = [
+pub(super) const ENTRIES: [Entry; 8] = [
     (
         "PROC TriggIO(INOUT triggdata TriggData, num Distance \\switch Start | switch Time \\signaldo DOp | signalgo GOp | signalao AOp, numeric SetValue \\num DODelay)",
         trigg_io,
@@ -23,6 +23,14 @@ pub(super) const ENTRIES: [Entry; 6] = [
     (
         "PROC TriggInt(INOUT triggdata TriggData, num Distance \\switch Start | switch Time, INOUT intnum Interrupt)",
         trigg_int,
+    ),
+    (
+        "PROC TriggCheckIO(INOUT triggdata TriggData, num Distance \\switch Start | switch Time, anysignal Signal, opnum Relation, numeric CheckValue \\switch StopMove, INOUT intnum Interrupt)",
+        trigg_check_io,
+    ),
+    (
+        "PROC TriggLIOs(\\switch Conc, robtarget ToPoint \\num ID, speeddata Speed \\num T \\INOUT triggios TriggData1{*} \\INOUT triggstrgo TriggData2{*} \\INOUT triggiosdnum TriggData3{*}, zonedata Zone \\stoppointdata Inpos, tooldata Tool \\wobjdata WObj \\switch Corr \\loaddata TLoad)",
+        trigg_l_ios,
     ),
     (
         "PROC TriggL(\\switch Conc, robtarget ToPoint \\num ID, speeddata Speed \\num T, triggdata Trigg_1 \\triggdata T2 \\triggdata T3 \\triggdata T4 \\triggdata T5 \\triggdata T6 \\triggdata T7 \\triggdata T8, zonedata Zone \\stoppointdata Inpos, tooldata Tool \\wobjdata WObj \\switch Corr \\loaddata TLoad)",
@@ -84,6 +92,8 @@ fn store(
     fields.push(Value::Str(signal));
     fields.push(Value::Dnum(value));
     fields.push(Value::Num(interrupt as f32));
+    fields.push(Value::Num(0.0));
+    fields.push(Value::Bool(false));
     context.assign(0, Value::Record(fields))?;
     Ok(Outcome::Done(Value::Absent))
 }
@@ -138,21 +148,29 @@ fn trigg_equip(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     )
 }
 
-/// As [`trigg_io`], but the place orders an interrupt.
-fn trigg_int(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+/// Kind, distance, lead and delay of arguments 1 to 3.
+fn interrupt_place(context: &CallContext<'_>) -> Result<(f64, f64, f64, f64), RaisedError> {
     let amount = context.number(1)?;
     let (start, time) = (context.is_given(2), context.is_given(3));
     if amount < 0.0 || (time && amount > 0.5) {
         return Err(context.argument_error(format!(
-            "TriggInt: {amount}, expected a distance or a time not below 0, a time of at most 0.5 s"
+            "{amount}, expected a distance or a time not below 0, a time of at most 0.5 s"
         )));
     }
-    let place = match (start, time) {
+    Ok(match (start, time) {
         (true, _) => (AFTER_START, amount, 0.0, 0.0),
         (_, true) => (BEFORE_END, 0.0, amount, 0.0),
         _ => (BEFORE_END, amount, 0.0, 0.0),
-    };
-    let number = context.number(4)? as u32;
+    })
+}
+
+/// Orders the interrupt of an argument by a notice of its own; its number and the name of the notice.
+fn order_notice(
+    context: &mut CallContext<'_>,
+    system: &dyn System,
+    argument: usize,
+) -> Result<(u32, String), RaisedError> {
+    let number = context.number(argument)? as u32;
     let name = notice(&context.location.task, number);
     let last = system.notices(&name);
     let trigger = Trigger::Notice {
@@ -165,9 +183,52 @@ fn trigg_int(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         Some(Trigger::Notice { .. })
     );
     if !again {
-        order(context, 4, false, trigger)?;
+        order(context, argument, false, trigger)?;
     }
+    Ok((number, name))
+}
+
+/// As [`trigg_io`], but the place orders an interrupt.
+fn trigg_int(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let place = interrupt_place(context)?;
+    let (number, name) = order_notice(context, system, 4)?;
     store(context, place, number, (name, 0.0))
+}
+
+/// LT to GT.
+const RELATIONS: [Relation; 6] = [
+    Relation::Less,
+    Relation::LessOrEqual,
+    Relation::Equal,
+    Relation::NotEqual,
+    Relation::GreaterOrEqual,
+    Relation::Greater,
+];
+
+/// As [`trigg_int`], but the interrupt comes only if a signal is not as it must be at the place.
+fn trigg_check_io(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let place = interrupt_place(context)?;
+    let signal = context.signal(4)?;
+    system
+        .signal(&signal)
+        .map_err(|fault| context.system_fault(fault))?;
+    let relation = context.number(5)?;
+    if relation.fract() != 0.0 || !(1.0..=6.0).contains(&relation) {
+        return Err(context.argument_error(format!(
+            "the relation is {relation}, expected 1 (LT) to 6 (GT)"
+        )));
+    }
+    let value = context.number(6)?;
+    let stops = context.is_given(7);
+    let (number, _) = order_notice(context, system, 8)?;
+    store(context, place, number, (signal, value))?;
+    let Value::Record(mut fields) = context.required(0)?.clone() else {
+        return Err(context.argument_error("this is no triggdata"));
+    };
+    fields[7] = Value::Num(relation as f32);
+    fields[8] = Value::Bool(stops);
+    context.assign(0, Value::Record(fields))?;
+    Ok(Outcome::Done(Value::Absent))
 }
 
 fn event(context: &CallContext<'_>, index: usize) -> Result<Option<PathEvent>, RaisedError> {
@@ -192,7 +253,15 @@ fn event(context: &CallContext<'_>, index: usize) -> Result<Option<PathEvent>, R
         },
         lead: SimDuration::from_secs_f64(number(data, 2)),
         delay: SimDuration::from_secs_f64(number(data, 3)),
-        action: if number(data, 6) > 0.0 {
+        action: if let Some(relation) = RELATIONS.get((number(data, 7) as usize).wrapping_sub(1)) {
+            PathAction::Check(SignalCheck {
+                signal: signal.clone(),
+                relation: *relation,
+                value: number(data, 5),
+                notice: notice(&context.location.task, number(data, 6) as u32),
+                stops: part(data, 8) == &Value::Bool(true),
+            })
+        } else if number(data, 6) > 0.0 {
             PathAction::Notify(signal.clone())
         } else {
             PathAction::Set {
@@ -249,4 +318,76 @@ fn trigg_j(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
 fn trigg_c(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     const PLACES: Places = places(Some(1), 2, true);
     trigg(context, system, MoveKind::Linear, &PLACES)
+}
+
+/// The outputs of an array of `triggios`, `triggiosdnum` or `triggstrgo` that are used.
+fn outputs(
+    context: &CallContext<'_>,
+    system: &dyn System,
+    index: usize,
+) -> Result<Vec<PathEvent>, RaisedError> {
+    let Some(Value::Array(items)) = context.value(index)? else {
+        return Ok(Vec::new());
+    };
+    let mut events = Vec::new();
+    for item in items {
+        if part(item, 0) != &Value::Bool(true) {
+            continue;
+        }
+        let Value::Str(signal) = part(item, 4) else {
+            return Err(context.argument_error("a signal name is missing"));
+        };
+        system
+            .signal(signal)
+            .map_err(|fault| context.system_fault(fault))?;
+        let (distance, lag) = (number(item, 1), number(item, 3));
+        let value = match part(item, 5) {
+            Value::Str(digits) => digits.trim().parse().ok(),
+            value => value.as_number(),
+        };
+        let Some(value) = value.filter(|_| distance >= 0.0 && lag <= 0.5) else {
+            return Err(context.argument_error(format!(
+                "TriggLIOs, signal {signal}: the distance {distance} mm must not be below 0, the lag {lag} s not above 0.5, and the value a number"
+            )));
+        };
+        events.push(PathEvent {
+            place: if part(item, 2) == &Value::Bool(true) {
+                PathPlace::AfterStart(distance * 1e-3)
+            } else {
+                PathPlace::BeforeEnd(distance * 1e-3)
+            },
+            lead: SimDuration::from_secs_f64(lag.max(0.0)),
+            delay: SimDuration::from_secs_f64((-lag).max(0.0)),
+            action: PathAction::Set {
+                signal: signal.clone(),
+                value,
+            },
+        });
+    }
+    Ok(events)
+}
+
+/// A line with outputs from arrays, named by their signals' names.
+fn trigg_l_ios(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    const PLACES: Places = Places {
+        conc: Some(0),
+        via: None,
+        target: 1,
+        speed: 3,
+        v: None,
+        t: Some(4),
+        zone: Some(8),
+        z: None,
+        in_position: Some(9),
+        tool: 10,
+        work_object: 11,
+        correction: Some(12),
+    };
+    perform(context, system, |context, system| {
+        let mut asked = cartesian(context, system, MoveKind::Linear, &PLACES)?;
+        for index in 5..8 {
+            asked.along.extend(outputs(context, system, index)?);
+        }
+        Ok(asked)
+    })
 }

@@ -1,7 +1,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use depal_vm::{Diagnostic, Op, Routine as Lowered, SharedDatum, Value};
+use depal_vm::{Diagnostic, NamedDatum, Op, Routine as Lowered, SharedDatum, Value};
 
 use super::scope::*;
 use super::types::Type;
@@ -55,6 +55,17 @@ impl Compiler<'_> {
                 let slot = self.program.globals.len() as u32;
                 self.program.globals.push(Value::Absent);
                 self.program.global_names.push(data.name.text.clone());
+                self.program.data.push(NamedDatum {
+                    name: data.name.text.clone(),
+                    module: match module {
+                        0 => String::new(),
+                        _ => tree.name.text.clone(),
+                    },
+                    kind: data.type_name.key(),
+                    is_local: data.local,
+                    is_persistent: data.storage == Storage::Pers,
+                    is_constant: data.storage == Storage::Const,
+                });
                 let symbol = Symbol::Data(DataSymbol {
                     name: data.name.text.clone(),
                     slot: Slot::Global(slot),

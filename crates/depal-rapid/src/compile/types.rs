@@ -69,10 +69,11 @@ pub(crate) struct RecordType {
 pub(crate) fn simple_type(name: &str) -> Option<Type> {
     Some(match name {
         "num" | "errnum" | "intnum" | "btnres" | "tpnum" | "symnum" | "icondata" | "buttondata"
-        | "socketstatus" | "byte" | "inttypes" | "opcalc" => Type::Num,
+        | "socketstatus" | "byte" | "inttypes" | "opcalc" | "opnum" | "errdomain" | "errtype"
+        | "identno" => Type::Num,
         "dnum" => Type::Dnum,
         "bool" => Type::Bool,
-        "string" | "stringdig" => Type::Text,
+        "string" | "stringdig" | "errstr" => Type::Text,
         "rawbytes" => Type::Raw,
         "socketdev" => Type::Socket,
         "clock" => Type::Clock,
@@ -91,11 +92,7 @@ pub(crate) fn simple_type(name: &str) -> Option<Type> {
 }
 
 /// Types of the controller that are known and not simulated.
-pub(crate) const REFUSED_TYPES: [&str; 12] = [
-    "trapdata",
-    "errdomain",
-    "errtype",
-    "identno",
+pub(crate) const REFUSED_TYPES: [&str; 8] = [
     "wztemporary",
     "wzstationary",
     "shapedata",

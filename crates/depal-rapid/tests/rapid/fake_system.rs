@@ -34,7 +34,7 @@ pub struct FakeSystem {
 
 impl Default for FakeSystem {
     fn default() -> Self {
-        let names = ["di_part", "do_pump", "go_zone", "gi_count"];
+        let names = ["di_part", "do_pump", "go_zone", "gi_count", "ao_flow"];
         Self {
             now: SimTime::ZERO,
             trace: Vec::new(),
@@ -61,6 +61,7 @@ pub fn signals() -> Vec<SignalDefinition> {
         ("do_pump", SignalKind::Do),
         ("go_zone", SignalKind::Go),
         ("gi_count", SignalKind::Gi),
+        ("ao_flow", SignalKind::Ao),
     ]
     .map(|(name, kind)| SignalDefinition {
         name: name.into(),

@@ -1,7 +1,9 @@
 //! RAPID programs against a fake cabinet.
 
+mod by_name;
 mod diagnostics;
 mod effects;
+mod event_log;
 mod failures;
 mod fake_system;
 mod generate;

@@ -364,8 +364,11 @@ fn a_traps_own_number_and_errors_by_name() {
 
 #[test]
 fn rules_that_the_manuals_leave_open_are_as_the_page_says() {
-    let data = "VAR num list{3};\nVAR dnum d;\nVAR num n;\nPROC given()\nRAISE 5;\nERROR\nTPWrite \"given\";\nENDPROC";
+    let data = "VAR num list{3};\nVAR dnum d;\nVAR num n;\nPROC given()\nRAISE 5;\nERROR\nTPWrite \"given\";\nENDPROC\nVAR intnum i;\nTRAP t\nTPWrite ValToStr(AOutput(ao_flow));\nENDTRAP";
     for rule in &depal_rapid::OPEN_RULES {
-        assert_eq!(output(data, rule.example), rule.output, "{}", rule.question);
+        let mut written = output(data, rule.example);
+        // What the cabinet notes of outputs is not written by the program.
+        written.retain(|line| !line.contains("ao_flow ="));
+        assert_eq!(written, rule.output, "{}", rule.question);
     }
 }

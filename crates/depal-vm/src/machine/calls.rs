@@ -123,6 +123,7 @@ impl Machine {
             memory: &mut self.memory,
             location: &self.location,
             rules: &program.rules,
+            program: &program,
         };
         match (program.builtins[builtin as usize].run)(&mut context, system)? {
             Outcome::Done(value) => {
@@ -136,6 +137,10 @@ impl Machine {
                 frame.pending = Some(pending);
                 frame.pc -= 1;
                 Ok(Flow::Blocked)
+            }
+            Outcome::Raise(error) => {
+                let from_handler = self.frame().handling.is_some();
+                Ok(self.handle(error, from_handler))
             }
             Outcome::Stop(reason) => Ok(self.stop(reason)),
             Outcome::Restart if self.single_cycle => {

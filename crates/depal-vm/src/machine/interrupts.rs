@@ -17,9 +17,13 @@ impl Machine {
         let interrupts = &mut self.memory.interrupts;
         interrupts.connected.retain(|i| i.level <= height);
         let Interrupts {
-            connected, queued, ..
+            connected,
+            queued,
+            reported,
+            ..
         } = interrupts;
         queued.retain(|number| connected.iter().any(|i| i.number == *number));
+        reported.retain(|(number, _)| connected.iter().any(|i| i.number == *number));
         for index in 0..self.memory.interrupts.connected.len() {
             let interrupt = &self.memory.interrupts.connected[index];
             let number = interrupt.number;
@@ -91,7 +95,7 @@ impl Machine {
         let mut over = Vec::new();
         for interrupt in &mut interrupts.connected {
             let fired = match &mut interrupt.trigger {
-                Trigger::None | Trigger::Condition { .. } => false,
+                Trigger::None | Trigger::Condition { .. } | Trigger::Report(_) => false,
                 Trigger::Move {
                     id,
                     ends,
@@ -187,8 +191,7 @@ impl Machine {
         }
         while let Some(number) = interrupts.queued.pop_front() {
             if let Some(routine) = interrupts.find(number).map(|i| i.routine) {
-                self.push_frame(routine, Vec::new());
-                self.frame().interrupt = Some(number);
+                self.serve(routine, number);
                 return;
             }
         }
@@ -214,8 +217,16 @@ impl Machine {
             return;
         };
         interrupts.queued.retain(|queued| *queued != number);
+        self.serve(routine, number);
+    }
+
+    /// Begins the routine of an interrupt.
+    fn serve(&mut self, routine: u32, number: u32) {
+        let report = self.memory.take_report(number);
         self.push_frame(routine, Vec::new());
-        self.frame().interrupt = Some(number);
+        let frame = self.frame();
+        frame.interrupt = Some(number);
+        frame.report = report;
     }
 
     /// Goes on in the routine that declared the interrupt being served.
