@@ -46,8 +46,7 @@ impl Load {
         if mass <= 0.0 {
             return Self::NONE;
         }
-        let centre =
-            (self.centre.coords * self.mass + other.centre.coords * other.mass) / mass;
+        let centre = (self.centre.coords * self.mass + other.centre.coords * other.mass) / mass;
         let moved = |load: &Self| {
             let arm = load.centre.coords - centre;
             // Steiner's law.
@@ -156,7 +155,8 @@ impl Arm {
             let state = match node.parent {
                 None => State::AT_REST,
                 Some(parent) => {
-                    let mut state = states[parent].at(pose.translation.vector - poses[parent].translation.vector);
+                    let mut state = states[parent]
+                        .at(pose.translation.vector - poses[parent].translation.vector);
                     if let Motion::Revolute {
                         axis,
                         index: joint,
@@ -166,7 +166,8 @@ impl Arm {
                     {
                         let axis = pose.rotation * axis.into_inner();
                         let turn = axis * (multiplier * speeds[*joint]);
-                        state.bend += axis * (multiplier * accelerations[*joint]) + state.turn.cross(&turn);
+                        state.bend +=
+                            axis * (multiplier * accelerations[*joint]) + state.turn.cross(&turn);
                         state.turn += turn;
                     }
                     state

@@ -31,20 +31,21 @@ fn limits<'a>(
     acceleration: &'a JointPositions,
 ) -> impl Iterator<Item = Limit> + 'a {
     let width = cell.width();
-    (0..acceleration.len()).flat_map(move |j| {
-        [
-            (&cell.at_from, 0.0),
-            (&cell.at_middle, width),
-            (&cell.at_to, 2.0 * width),
-        ]
-        .map(|(at, gain)| Limit {
-            of_a: at.first[j] + gain * at.second[j],
-            of_x: at.second[j],
-            rest: 0.0,
-            limit: acceleration[j],
+    (0..acceleration.len())
+        .flat_map(move |j| {
+            [
+                (&cell.at_from, 0.0),
+                (&cell.at_middle, width),
+                (&cell.at_to, 2.0 * width),
+            ]
+            .map(|(at, gain)| Limit {
+                of_a: at.first[j] + gain * at.second[j],
+                of_x: at.second[j],
+                rest: 0.0,
+                limit: acceleration[j],
+            })
         })
-    })
-    .chain(cell.torque.iter().copied())
+        .chain(cell.torque.iter().copied())
 }
 
 /// A line `at_zero + slope * x`.
