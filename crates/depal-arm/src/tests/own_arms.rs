@@ -293,7 +293,6 @@ fn descents_from_spread_beginnings_meet_the_branches_of_the_closed_form() {
         met += hits;
         complete += usize::from(hits == branches.len());
     }
-    eprintln!("{met} of {there} branches, {complete} of {POSES} poses complete");
     assert!(
         met * 100 >= there * 90,
         "{met} of {there}, {complete} complete"
