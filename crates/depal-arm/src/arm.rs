@@ -3,6 +3,7 @@ use depal_frames::{JointPositions, PlacedShape, Pose};
 use crate::{
     ArmError, ArmWarning,
     chain::{Chain, Motion},
+    dynamics::Dynamics,
     numeric,
     opw::Solver,
     palletizer::Palletizer,
@@ -44,7 +45,8 @@ pub struct Arm {
     joint_names: Vec<String>,
     limits: Vec<JointLimit>,
     links: Vec<Link>,
-    chain: Chain,
+    pub(crate) chain: Chain,
+    pub(crate) dynamics: Dynamics,
     inverse: Inverse,
     /// To the frame in which the closed form is.
     model_from_base: Pose,
@@ -160,6 +162,7 @@ impl Arm {
             limits: loaded.limits,
             links: loaded.links,
             chain: loaded.chain,
+            dynamics: loaded.dynamics,
             inverse,
             model_from_base,
             tip: loaded.tip,

@@ -2,7 +2,7 @@ use depal_frames::{PlacedShape, Pose, Rotation, Shape, Vector};
 use nalgebra::Translation3;
 use urdf_rs::{Geometry, Robot};
 
-use crate::{ArmError, ArmWarning, Link, hull, mesh};
+use crate::{ArmError, ArmWarning, Link, dynamics::Inertial, hull, mesh};
 
 /// Colour of a visual without material.
 const GREY: [u8; 3] = [180, 180, 180];
@@ -162,6 +162,23 @@ impl Reader<'_> {
             });
         }
         Ok(())
+    }
+
+    /// Mass, centre and inertia in the link's own frame.
+    pub fn inertial(&self, link: &urdf_rs::Link) -> Result<Inertial, ArmError> {
+        let element = format!("link '{}' <inertial>", link.name);
+        let pose = self.pose(&element, &link.inertial.origin)?;
+        let t = &link.inertial.inertia;
+        let own = nalgebra::Matrix3::new(
+            t.ixx, t.ixy, t.ixz, t.ixy, t.iyy, t.iyz, t.ixz, t.iyz, t.izz,
+        );
+        let turn = pose.rotation.to_rotation_matrix();
+        let turn = turn.matrix();
+        Ok(Inertial {
+            mass: link.inertial.mass.value,
+            centre: pose.translation.vector,
+            inertia: turn * own * turn.transpose(),
+        })
     }
 
     pub fn link(

@@ -10,6 +10,7 @@ use urdf_rs::{Joint, JointType, Robot};
 use crate::{
     ArmError, ArmWarning, JointLimit, Link,
     chain::{Chain, Motion, Node},
+    dynamics::Dynamics,
     shapes::{MeshSource, Reader},
 };
 
@@ -20,6 +21,7 @@ pub(crate) struct Loaded {
     pub limits: Vec<JointLimit>,
     pub links: Vec<Link>,
     pub chain: Chain,
+    pub dynamics: Dynamics,
     pub tip: String,
     pub warnings: Vec<ArmWarning>,
 }
@@ -113,8 +115,10 @@ pub(crate) fn load(
     }
     let mut nodes = Vec::new();
     let mut links = Vec::new();
+    let mut inertials = Vec::new();
     for (node, (link, joint)) in order.iter().enumerate() {
         links.push(reader.link(&robot, &robot.links[*link], &mut warnings)?);
+        inertials.push(reader.inertial(&robot.links[*link])?);
         let Some(joint) = *joint else {
             nodes.push(Node {
                 parent: None,
@@ -158,14 +162,20 @@ pub(crate) fn load(
             motion,
         });
     }
+    let efforts: Vec<f64> = chain_joints
+        .iter()
+        .map(|&j| robot.joints[j].limit.effort)
+        .collect();
+    let chain = Chain { nodes, path };
     Ok(Loaded {
+        dynamics: Dynamics::new(&chain, inertials, &efforts),
         joint_names: chain_joints
             .iter()
             .map(|&j| robot.joints[j].name.clone())
             .collect(),
         limits,
         links,
-        chain: Chain { nodes, path },
+        chain,
         tip: robot.links[order[tip].0].name.clone(),
         warnings,
         robot,

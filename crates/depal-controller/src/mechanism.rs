@@ -2,7 +2,7 @@ use std::sync::Arc;
 use std::task::Poll;
 
 use depal_arm::Arm;
-use depal_frames::{JointPositions, Pose};
+use depal_frames::{JointPositions, Point, Pose};
 use depal_time::SimTime;
 use depal_vm::system::{Fault, MoveId, MoveRequest, PathEvent};
 
@@ -36,6 +36,13 @@ impl Mechanism {
         match self {
             Self::Arm(_, queue) => queue.start(now, request, along, events),
             Self::Free(free) => free.start(now, request, along),
+        }
+    }
+
+    /// Load of moves to come, kg and m in the tool frame. What reaches everything carries everything.
+    pub fn set_payload(&mut self, mass: f64, centre_in_tcp: Point) {
+        if let Self::Arm(_, queue) = self {
+            queue.set_payload(mass, centre_in_tcp);
         }
     }
 

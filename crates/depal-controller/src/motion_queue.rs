@@ -2,7 +2,8 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, VecDeque};
 use std::task::Poll;
 
-use depal_frames::JointPositions;
+use depal_arm::Load;
+use depal_frames::{JointPositions, Point};
 use depal_motion::{
     Interpolation, MotionError, Segment, SegmentId, SegmentTarget, Speed, Trajectory, Zone,
 };
@@ -19,6 +20,8 @@ use crate::path_events::{Fired, PathEvents};
 pub(crate) struct MotionQueue {
     trajectory: Trajectory,
     depth: usize,
+    /// Mass, kg, and its centre in the tool frame, m.
+    payload: (f64, Point),
     /// In order; the first is under way or about to be.
     open: VecDeque<OpenMove>,
     /// The move that was closed last: its corner may still turn out to be a stop.
@@ -70,6 +73,7 @@ impl MotionQueue {
         Self {
             trajectory,
             depth,
+            payload: (0.0, Point::origin()),
             open: VecDeque::new(),
             closed: None,
             broken: BTreeMap::new(),
@@ -80,6 +84,10 @@ impl MotionQueue {
             stored: Vec::new(),
             storing_held: None,
         }
+    }
+
+    pub fn set_payload(&mut self, mass: f64, centre_in_tcp: Point) {
+        self.payload = (mass, centre_in_tcp);
     }
 
     /// Takes a move, unless the queue is full.
@@ -106,6 +114,13 @@ impl MotionQueue {
         // One is under way, the others wait.
         if unfinished > self.depth {
             return Poll::Pending;
+        }
+        let (mass, centre) = self.payload;
+        if mass > 0.0 {
+            let centre = request.flange_from_tcp * centre;
+            self.trajectory.set_load(&Load::point(mass, centre));
+        } else {
+            self.trajectory.set_load(&Load::NONE);
         }
         let id = match self.trajectory.append(seconds, &segment(request)) {
             Ok(id) => MoveId(id.0),

@@ -1,6 +1,6 @@
 use std::task::Poll;
 
-use depal_frames::{JointPositions, Pose};
+use depal_frames::{JointPositions, Point, Pose};
 use depal_time::{SimDuration, SimTime};
 use depal_vm::system::{
     Fault, LogKind, MoveId, MoveRequest, PathAction, PathEvent, ProgramLocation, Question,
@@ -95,6 +95,10 @@ impl System for CabinetSystem<'_> {
         cabinet
             .motion
             .start(cabinet.cursor, request, events, &mut cabinet.fresh)
+    }
+
+    fn set_payload(&mut self, mass: f64, centre_in_tcp: Point) {
+        self.cabinet.motion.set_payload(mass, centre_in_tcp);
     }
 
     fn is_move_begun(&self, id: MoveId) -> bool {

@@ -6,6 +6,8 @@ use depal_arm::JointLimit;
 use depal_frames::JointPositions;
 
 use crate::curve::{Curve, Derivatives};
+use crate::timing::Limit;
+use crate::torque::TorqueLimits;
 use crate::{SegmentId, Speed};
 
 /// What limits the arm along a cell.
@@ -15,6 +17,8 @@ pub(crate) struct CellLimits {
     pub joint_acceleration: JointPositions,
     pub tcp: f64,
     pub orientation: f64,
+    /// None where the arm has no torque limits.
+    pub torque: Option<Arc<TorqueLimits>>,
 }
 
 impl CellLimits {
@@ -30,6 +34,7 @@ impl CellLimits {
             joint_acceleration,
             tcp: speed.tcp,
             orientation: speed.orientation,
+            torque: None,
         }
     }
 }
@@ -80,6 +85,8 @@ pub(crate) struct Cell {
     pub at_from: Derivatives,
     pub at_middle: Derivatives,
     pub at_to: Derivatives,
+    /// Torque limits at the three places; empty where the arm has none.
+    pub torque: Vec<Limit>,
     pub law: Law,
 }
 
@@ -93,7 +100,7 @@ impl Cell {
         link: f64,
     ) -> Self {
         let inside = 0.5 * (from + to);
-        Self {
+        let mut cell = Self {
             at_from: curve.derivatives(from, inside),
             at_middle: curve.derivatives(inside, inside),
             at_to: curve.derivatives(to, inside),
@@ -105,8 +112,11 @@ impl Cell {
             tcp_rate,
             turn_rate,
             link,
+            torque: Vec::new(),
             law: Law::NONE,
-        }
+        };
+        cell.measure_torque();
+        cell
     }
 
     pub fn width(&self) -> f64 {
@@ -119,6 +129,22 @@ impl Cell {
         self.at_from = self.curve.derivatives(self.from, inside);
         self.at_middle = self.curve.derivatives(inside, inside);
         self.at_to = self.curve.derivatives(self.to, inside);
+        self.measure_torque();
+    }
+
+    fn measure_torque(&mut self) {
+        let Some(torque) = &self.limits.torque else {
+            return;
+        };
+        let width = self.width();
+        self.torque = [
+            (self.from, &self.at_from, 0.0),
+            (self.from + 0.5 * width, &self.at_middle, width),
+            (self.to, &self.at_to, 2.0 * width),
+        ]
+        .iter()
+        .flat_map(|(u, at, gain)| torque.rows(&self.curve.position(*u), at, *gain))
+        .collect();
     }
 
     /// The same stretch, ending earlier.

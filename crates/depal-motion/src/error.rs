@@ -98,4 +98,18 @@ pub enum MotionError {
         /// As given.
         found: f64,
     },
+    /// An axis could hardly hold the arm and its load on the way, let alone move it.
+    #[error(
+        "joint {joint} needs {needed_nm:.1} N m to hold the arm with a load of {load_kg:.1} kg at its flange, and may use {usable_nm:.1} for it"
+    )]
+    Overload {
+        /// From 1.
+        joint: usize,
+        /// Torque to stand still there, N m.
+        needed_nm: f64,
+        /// 98 % of the axis's torque limit, N m.
+        usable_nm: f64,
+        /// Mass of the load, kg.
+        load_kg: f64,
+    },
 }

@@ -100,6 +100,7 @@ impl Trajectory {
     #[must_use]
     pub fn beside(&self, now: f64) -> Self {
         let mut other = Self::new(std::sync::Arc::clone(&self.arm), self.sample(now));
+        other.torque.clone_from(&self.torque);
         other.next = self.next;
         other.corner_failures.clone_from(&self.corner_failures);
         other

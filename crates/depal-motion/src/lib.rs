@@ -33,7 +33,12 @@
 //! Units and frames: SI, radians; joint order of the arm; TCP poses are `base_from_tcp`; times are seconds since
 //! the trajectory's own zero.
 //!
-//! Limitations: acceleration may step (no jerk limit); no torque or payload model; no servo lag;
+//! Torques: where the arm's file has them (`effort` and masses), no axis is asked for more than its torque, with the
+//! load named to [`Trajectory::set_load`] and without it. A torque is linear in the path's acceleration and squared
+//! speed, as the accelerations of the joints are, so the same passes find the fastest law under it.
+//! An arm without torque limits moves as if none of this existed.
+//!
+//! Limitations: acceleration may step (no jerk limit); no friction or rotor inertia in torques; no servo lag;
 //! speed of the TCP is not limited in acceleration other than through the joints;
 //! the TCP may leave the plane of two linear moves a little in their corner, which is blended in joint space.
 
@@ -47,6 +52,7 @@ mod point_to_point;
 mod segment;
 mod shape;
 mod timing;
+mod torque;
 mod trajectory;
 
 pub use circle::Circle;

@@ -9,6 +9,7 @@ use depal_frames::{JointPositions, Point, Pose, Rotation, Vector};
 use crate::cell::CellLimits;
 use crate::circle::Circle;
 use crate::curve::{Curve, combine};
+use crate::torque::TorqueLimits;
 use crate::{Along, Interpolation, MotionError, Segment, SegmentTarget, Zone};
 
 /// Joint travel per cell of a joint move, radians.
@@ -52,6 +53,7 @@ impl Shape {
         arm: &Arm,
         start: &JointPositions,
         segment: &Segment,
+        torque: Option<&Arc<TorqueLimits>>,
     ) -> Result<Option<Self>, MotionError> {
         segment.speed.check()?;
         let tool = &segment.flange_from_tcp;
@@ -126,9 +128,16 @@ impl Shape {
             _ => ((start.max_distance(&end) / JOINT_STEP).ceil() as usize).clamp(16, 64),
         };
         let nodes = measure(arm, &curve, parameters, |_| tool);
+        if let Some(torque) = torque {
+            for node in &nodes {
+                torque.check_holding(&curve.position(node.parameter))?;
+            }
+        }
+        let mut limits = CellLimits::new(arm.limits(), &segment.speed);
+        limits.torque = torque.cloned();
         Ok(Some(Self {
             curve: Arc::new(curve),
-            limits: Arc::new(CellLimits::new(arm.limits(), &segment.speed)),
+            limits: Arc::new(limits),
             nodes,
             flange_from_tcp: *tool,
             zone: segment.zone,

@@ -3,6 +3,7 @@
 //! With `x` the squared rate of the parameter at the beginning of a cell of width `w` and `a` the constant
 //! acceleration of the parameter, a joint accelerates by `q' a + q'' x` at the beginning and by
 //! `q' a + q'' (x + a w)` in the middle and by `q' a + q'' (x + 2 a w)` at the end: every limit is linear in `(a, x)`.
+//! So is every torque, with what gravity takes as its constant part.
 
 use depal_frames::JointPositions;
 
@@ -13,13 +14,16 @@ const FLAT: f64 = 1e-9;
 /// Relative excess of the given speed over the highest feasible one that still counts as feasible:
 /// the limits are held at three places of a cell, and a cell that was divided has new ones.
 const SLACK: f64 = 2e-4;
+/// The same where torques limit: they bend along a cell. [`crate::torque`] leaves room for it.
+const TORQUE_SLACK: f64 = 3e-3;
 
-/// `|a * of_a + x * of_x| <= limit`.
-#[derive(Clone, Copy)]
-struct Limit {
-    of_a: f64,
-    of_x: f64,
-    limit: f64,
+/// `|a * of_a + x * of_x + rest| <= limit`, with the size of `rest` below `limit`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limit {
+    pub of_a: f64,
+    pub of_x: f64,
+    pub rest: f64,
+    pub limit: f64,
 }
 
 fn limits<'a>(
@@ -27,18 +31,21 @@ fn limits<'a>(
     acceleration: &'a JointPositions,
 ) -> impl Iterator<Item = Limit> + 'a {
     let width = cell.width();
-    (0..acceleration.len()).flat_map(move |j| {
-        [
-            (&cell.at_from, 0.0),
-            (&cell.at_middle, width),
-            (&cell.at_to, 2.0 * width),
-        ]
-        .map(|(at, gain)| Limit {
-            of_a: at.first[j] + gain * at.second[j],
-            of_x: at.second[j],
-            limit: acceleration[j],
+    (0..acceleration.len())
+        .flat_map(move |j| {
+            [
+                (&cell.at_from, 0.0),
+                (&cell.at_middle, width),
+                (&cell.at_to, 2.0 * width),
+            ]
+            .map(|(at, gain)| Limit {
+                of_a: at.first[j] + gain * at.second[j],
+                of_x: at.second[j],
+                rest: 0.0,
+                limit: acceleration[j],
+            })
         })
-    })
+        .chain(cell.torque.iter().copied())
 }
 
 /// A line `at_zero + slope * x`.
@@ -62,20 +69,21 @@ impl Limit {
         }
         let slope = -self.of_x / self.of_a;
         let reach = self.limit / self.of_a.abs();
+        let rest = self.rest / self.of_a;
         Some((
             Line {
-                at_zero: reach,
+                at_zero: reach - rest,
                 slope,
             },
             Line {
-                at_zero: -reach,
+                at_zero: -reach - rest,
                 slope,
             },
         ))
     }
 }
 
-/// Range of `a` at `x` under the joint acceleration limits; empty (low above high) where `x` is too high.
+/// Range of `a` at `x` under the joint acceleration and torque limits; empty (low above high) where `x` is too high.
 fn range(cell: &Cell, acceleration: &JointPositions, x: f64) -> (f64, f64) {
     let mut low = f64::NEG_INFINITY;
     let mut high = f64::INFINITY;
@@ -93,13 +101,13 @@ fn controllable(cell: &Cell, right: f64) -> f64 {
     let acceleration = &cell.limits.joint_acceleration;
     let double_width = 2.0 * cell.width();
     let mut x = cell.speed_bounds().0;
-    if cell.curve.is_straight() {
+    if cell.curve.is_straight() && cell.torque.is_empty() {
         let (_, high) = range(cell, acceleration, 0.0);
         return x.min(right + double_width * high);
     }
     for limit in limits(cell, acceleration) {
         if limit.of_a.abs() < FLAT && limit.of_x != 0.0 {
-            x = x.min(limit.limit / limit.of_x.abs());
+            x = x.min((limit.limit - limit.rest * limit.of_x.signum()) / limit.of_x.abs());
         }
     }
     // The gap between the least upper and the greatest lower bound of `a` is concave in `x` and not negative
@@ -150,7 +158,11 @@ pub(crate) fn fastest(cells: &[Cell], entry: f64, start: f64) -> Option<Vec<Law>
         right_ends[i] = after.min(cell.speed_bounds().1);
         left = controllable(cell, right_ends[i]);
     }
-    if entry > left * (1.0 + SLACK) {
+    let slack = match cells.first() {
+        Some(cell) if !cell.torque.is_empty() => TORQUE_SLACK,
+        _ => SLACK,
+    };
+    if entry > left * (1.0 + slack) {
         return None;
     }
     let mut laws = Vec::with_capacity(cells.len());

@@ -1,12 +1,13 @@
 use std::sync::Arc;
 
-use depal_arm::Arm;
+use depal_arm::{Arm, Load};
 use depal_frames::JointPositions;
 
 use crate::cell::{Cell, CellLimits};
 use crate::curve::{Curve, combine};
 use crate::shape::{Shape, measure};
 use crate::timing::{brake, fastest};
+use crate::torque::TorqueLimits;
 use crate::{MotionError, Segment, SegmentId, Speed, Zone};
 
 /// Cells of a corner.
@@ -27,6 +28,8 @@ pub struct Trajectory {
     pub(crate) next: u64,
     pub(crate) last: Option<Last>,
     pub(crate) corner_failures: Vec<SegmentId>,
+    /// Of segments to come; none where the arm has no torque limits.
+    pub(crate) torque: Option<Arc<TorqueLimits>>,
 }
 
 /// The last segment, whose end may still become a corner.
@@ -42,6 +45,7 @@ impl Trajectory {
     /// An arm standing at `start`, radians.
     pub fn new(arm: Arc<Arm>, start: JointPositions) -> Self {
         Self {
+            torque: TorqueLimits::new(&arm, &Load::NONE).map(Arc::new),
             arm,
             cells: Vec::new(),
             start,
@@ -52,13 +56,22 @@ impl Trajectory {
         }
     }
 
+    /// What hangs on the flange in segments appended from now on, gripper and carton together; nothing at first.
+    /// It matters only to an arm with torque limits, whose axes then obey them with the load and without it,
+    /// so that it may be let go or lost anywhere; a heavier load at the same place never makes a move faster.
+    pub fn set_load(&mut self, load: &Load) {
+        if self.torque.as_ref().is_some_and(|t| t.load() != load) {
+            self.torque = TorqueLimits::new(&self.arm, load).map(Arc::new);
+        }
+    }
+
     /// Adds a segment after the last one and times the rest of the path anew from `now`.
     ///
     /// The corner before it is blended if its zone was not yet entered and the arm can still slow down for it;
     /// otherwise the arm stands at the corner and [`corner_failures`](Self::corner_failures) gains an entry.
     /// On an error the trajectory is as before.
     pub fn append(&mut self, now: f64, segment: &Segment) -> Result<SegmentId, MotionError> {
-        let shape = Shape::new(&self.arm, &self.end, segment)?;
+        let shape = Shape::new(&self.arm, &self.end, segment, self.torque.as_ref())?;
         let id = SegmentId(self.next);
         self.next += 1;
         let Some(shape) = shape else {
@@ -163,7 +176,8 @@ impl Trajectory {
         }
     }
 
-    /// The curve of a corner and the limits of its two halves; none if it would leave the joint limits.
+    /// The curve of a corner and the limits of its two halves; none if it would leave the joint limits,
+    /// or pass where the arm cannot hold its load.
     fn corner(
         &self,
         last: &Last,
@@ -185,8 +199,12 @@ impl Trajectory {
             ],
         };
         let inside = (1..CORNER_CELLS).all(|i| {
-            self.arm
-                .within_limits(&curve.position(i as f64 / CORNER_CELLS as f64))
+            let at = curve.position(i as f64 / CORNER_CELLS as f64);
+            let holds = |shape: &Shape| {
+                let torque = shape.limits.torque.as_ref();
+                torque.is_none_or(|torque| torque.check_holding(&at).is_ok())
+            };
+            self.arm.within_limits(&at) && holds(&last.shape) && holds(next)
         });
         inside.then(|| {
             (
@@ -276,6 +294,26 @@ impl Trajectory {
             }
             _ => zero,
         }
+    }
+
+    /// Torques of the joints at a time, N m, with the load of the segment under way; `None` for an arm without
+    /// torque limits, and while nothing moves.
+    pub fn sample_torques(&self, time: f64) -> Option<JointPositions> {
+        let cell = self.cell_at(time).filter(|c| time <= c.law.end())?;
+        let torque = cell.limits.torque.as_ref()?;
+        let u = cell.parameter(time);
+        let rate = cell.law.rate + cell.law.acceleration * (time - cell.law.start);
+        let at = cell.curve.derivatives(u, 0.5 * (cell.from + cell.to));
+        let speeds = combine(&[rate], &[&at.first]);
+        let accelerations = combine(
+            &[cell.law.acceleration, rate * rate],
+            &[&at.first, &at.second],
+        );
+        let joints = cell.curve.position(u);
+        Some(
+            self.arm
+                .joint_torques(&joints, &speeds, &accelerations, torque.load()),
+        )
     }
 
     /// When the arm stands at the end, seconds on the trajectory's axis; 0 if nothing is left to travel.

@@ -319,6 +319,11 @@ pub trait System {
             message: "outputs that are set along the way".into(),
         }))
     }
+    /// The carried load of moves handed over from now on: mass in kg, centre of mass in metres in the frame of the tool
+    /// that the move names. A cabinet without torque limits has no use for it.
+    fn set_payload(&mut self, mass: f64, centre_in_tcp: Point) {
+        let _ = (mass, centre_in_tcp);
+    }
     /// Whether the arm has begun with a move: the corner before it is behind.
     fn is_move_begun(&self, id: MoveId) -> bool {
         let _ = id;

@@ -1,3 +1,4 @@
+mod dynamics;
 mod faults;
 mod meshes;
 mod own_arms;

@@ -255,3 +255,46 @@ fn an_offset_wrist_is_solved_numerically() {
     }
     assert!(solved >= 58 && near >= 50, "{solved} solved, {near} near");
 }
+
+/// How many of the closed form's postures the descent meets when it knows nothing of the arm's build.
+#[test]
+fn descents_from_spread_beginnings_meet_the_branches_of_the_closed_form() {
+    use std::f64::consts::PI;
+    let arm = load(KR16);
+    let mut random = RandomStreams::new(12).stream("unknown");
+    let (mut there, mut met, mut complete) = (0, 0, 0);
+    const POSES: usize = 25;
+    for _ in 0..POSES {
+        let pose = arm.base_from_flange(&random_joints(&arm, &mut random));
+        let found = crate::numeric::solutions(&arm.chain, arm.limits(), &pose);
+        // Whole turns of a joint are one branch.
+        let alike = |a: &JointPositions, b: &JointPositions| {
+            a.iter()
+                .zip(b.iter())
+                .all(|(a, b)| ((a - b + PI).rem_euclid(2.0 * PI) - PI).abs() < 1e-4)
+        };
+        let mut branches: Vec<JointPositions> = Vec::new();
+        for exact in arm.inverse(&pose) {
+            if branches.iter().all(|b| !alike(b, &exact)) {
+                branches.push(exact);
+            }
+        }
+        let hits = branches
+            .iter()
+            .filter(|b| found.iter().any(|f| alike(f, b)))
+            .count();
+        for solution in &found {
+            assert!(
+                branches.iter().any(|b| alike(b, solution)),
+                "{solution:?} is no solution"
+            );
+        }
+        there += branches.len();
+        met += hits;
+        complete += usize::from(hits == branches.len());
+    }
+    assert!(
+        met * 100 >= there * 90,
+        "{met} of {there}, {complete} complete"
+    );
+}

@@ -56,3 +56,24 @@ fn what_has_no_effect_is_told() {
     let heavy = "GripLoad [-1,[0,0,0.001],[1,0,0,0],0,0,0];";
     assert_eq!(run(heavy).failure().1, 2);
 }
+
+/// With torque limits in the arm's file the load that the program names slows its moves; without them it does not.
+#[test]
+fn a_named_load_slows_an_arm_with_torque_limits() {
+    let seconds = |mass: f64, torque: f64| {
+        let text = format!(
+            "GripLoad [{mass},[0,0,200],[1,0,0,0],0,0,0];\nSetDO do1,1;\nMoveJ Offs(p0,-300,1000,0),v7000,fine,tTool;\nSetDO do2,1;"
+        );
+        let told = run_in(&text, "", &[], |spec| {
+            let limits = [torque, 0.0, 0.0, 0.0, 0.0, 0.0];
+            let weak = (*spec.arm).clone().with_torque_limits(&limits);
+            spec.arm = std::sync::Arc::new(weak.expect("six torques"));
+        })
+        .finished();
+        told.edge("do2") - told.edge("do1")
+    };
+    let (light, heavy) = (seconds(5.0, 1000.0), seconds(150.0, 1000.0));
+    assert!(heavy > 1.05 * light, "{light} {heavy}");
+    let (light, heavy) = (seconds(5.0, 0.0), seconds(150.0, 0.0));
+    assert_eq!(light.to_bits(), heavy.to_bits());
+}

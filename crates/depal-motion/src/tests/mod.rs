@@ -11,6 +11,7 @@ mod hold;
 mod laws;
 mod marks;
 mod retiming;
+mod torque;
 
 pub const TICK: f64 = 0.004;
 const IRB6700: &str = include_str!("../../../../urdf/abb_irb6700_150_320.urdf");

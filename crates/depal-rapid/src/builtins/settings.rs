@@ -1,5 +1,6 @@
 //! What holds for the moves that follow: accelerations, speeds, arm configuration.
 
+use depal_frames::Point;
 use depal_vm::system::System;
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 
@@ -119,12 +120,16 @@ fn sing_area(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
 }
 
 /// The load is remembered; the motion model has no masses.
-fn grip_load(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
-    let mass = super::records::number(context.required(0)?, 0);
+/// Mass and centre of mass count; axes and moments of inertia of the load do not.
+fn grip_load(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let load = context.required(0)?;
+    let mass = super::records::number(load, 0);
+    let centre_mm = super::records::vector(super::records::part(load, 1));
     if mass < 0.0 {
         return Err(context.argument_error(format!("the load weighs {mass} kg")));
     }
     context.memory.modal.insert("load_kg", mass);
+    system.set_payload(mass, Point::from(centre_mm * 1e-3));
     done()
 }
 
