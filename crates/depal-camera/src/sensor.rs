@@ -395,23 +395,55 @@ impl Sensor<'_> {
             if marks.iter().all(|m| *m == 0) {
                 continue;
             }
+            let first = block * 16;
+            let steps = self.steps(first, marks.len(), v);
             for (k, _) in marks.iter().enumerate().filter(|(_, m)| **m != 0) {
-                let u = block * 16 + k;
-                if scratch.depth[u] == 0.0 {
-                    continue;
-                }
-                let (nearest, farthest, gap) = self.depth_range(u, v);
-                if !gap && farthest - nearest <= s.step as f32 {
+                let u = first + k;
+                if !steps[k] || scratch.depth[u] == 0.0 {
                     continue;
                 }
                 let chance = self.step_noise.word((v * width + u) as u64) >> 32;
                 if chance < dropout {
                     scratch.depth[u] = 0.0;
                 } else if chance < dropout + mixed {
+                    let (nearest, farthest) = self.depth_range(u, v);
                     scratch.depth[u] = 0.5 * (nearest + farthest);
                 }
             }
         }
+    }
+
+    /// Which of the pixels from column `first` on have a depth step or nothing within 3x3.
+    #[inline(always)]
+    fn steps(&self, first: usize, count: usize, v: usize) -> [bool; 16] {
+        let i = &self.rendering.intrinsics;
+        let step = self.spec.sensor.step as f32;
+        let rows = [v.saturating_sub(1), v, (v + 1).min(i.height - 1)]
+            .map(|v| &self.rendering.inverse_depth[v * i.width..(v + 1) * i.width]);
+        // The pixels and one more on each side.
+        let windows: [[f32; 18]; 3] = if first > 0 && first + 17 <= i.width {
+            rows.map(|row| std::array::from_fn(|k| row[first - 1..first + 17][k]))
+        } else {
+            rows.map(|row| {
+                std::array::from_fn(|k| row[(first + k).clamp(1, i.width.min(first + count)) - 1])
+            })
+        };
+        let least = |a: f32, b: f32| if a < b { a } else { b };
+        let most = |a: f32, b: f32| if a > b { a } else { b };
+        let (mut low, mut high) = ([0.0_f32; 18], [0.0_f32; 18]);
+        for k in 0..18 {
+            let [a, b, c] = [windows[0][k], windows[1][k], windows[2][k]];
+            low[k] = least(least(a, b), c);
+            high[k] = most(most(a, b), c);
+        }
+        let mut steps = [false; 16];
+        for k in 0..16 {
+            let low = least(least(low[k], low[k + 1]), low[k + 2]);
+            let high = most(most(high[k], high[k + 1]), high[k + 2]);
+            // 1/low - 1/high > step, without the divisions; 1/z = 0 is nothing.
+            steps[k] = (low <= 0.0) | (high - low > step * low * high);
+        }
+        steps
     }
 
     /// Marks the pixels of row `v` with more than one surface within 3x3.
@@ -436,24 +468,21 @@ impl Sensor<'_> {
         }
     }
 
-    /// Nearest and farthest depth within 3x3, and whether there is nothing at one of the pixels.
+    /// Nearest and farthest depth within 3x3.
     #[inline(always)]
-    fn depth_range(&self, u: usize, v: usize) -> (f32, f32, bool) {
+    fn depth_range(&self, u: usize, v: usize) -> (f32, f32) {
         let i = &self.rendering.intrinsics;
         let (mut low, mut high) = (f32::INFINITY, 0.0_f32);
-        let mut gap = false;
         let (left, right) = (u.saturating_sub(1), (u + 1).min(i.width - 1));
         for y in v.saturating_sub(1)..=(v + 1).min(i.height - 1) {
             for w in &self.rendering.inverse_depth[y * i.width + left..=y * i.width + right] {
                 if *w > 0.0 {
                     low = low.min(*w);
                     high = high.max(*w);
-                } else {
-                    gap = true;
                 }
             }
         }
-        (1.0 / high, 1.0 / low, gap)
+        (1.0 / high, 1.0 / low)
     }
 
     #[inline(always)]
