@@ -55,6 +55,19 @@ pub(crate) struct LitRows {
     pub grey: Vec<f32>,
 }
 
+impl LitRows {
+    /// Forgets the rows before this one.
+    pub fn keep_from(&mut self, row: usize, width: usize) {
+        let gone = (row - self.first_row) * width;
+        if gone > 0 {
+            self.depth.copy_within(gone.., 0);
+            self.packed.copy_within(gone.., 0);
+            self.grey.copy_within(gone.., 0);
+        }
+        self.first_row = row;
+    }
+}
+
 /// Scratch memory of a worker.
 #[derive(Default)]
 pub(crate) struct LightScratch {
@@ -265,23 +278,24 @@ impl<'a> Lighting<'a> {
         }
     }
 
-    /// Lights rows `first..end`.
+    /// Lights rows `first..end`, behind those that `out` already holds.
     #[inline(always)]
     pub fn rows(&self, first: usize, end: usize, scratch: &mut LightScratch, out: &mut LitRows) {
         let r = self.rendering;
         let width = r.intrinsics.width;
-        let range = first * width..end * width;
-        out.first_row = first;
+        let length = (end - out.first_row) * width;
         for buffer in [&mut out.depth, &mut out.grey] {
-            buffer.resize(range.len(), 0.0);
+            buffer.resize(length, 0.0);
         }
-        out.packed.resize(range.len(), 0);
-        let shadow = self
-            .projector
-            .as_ref()
-            .map(|view| self.draw_projector(view, first, end, scratch));
+        out.packed.resize(length, 0);
+        // No closure: that would be compiled for the oldest processor.
+        let shadow = match &self.projector {
+            Some(view) => Some(self.draw_projector(view, first, end, scratch)),
+            None => None,
+        };
         for v in first..end {
-            let at = (v - first) * width..(v - first + 1) * width;
+            let from = (v - out.first_row) * width;
+            let at = from..from + width;
             self.light_row(
                 v,
                 &mut out.depth[at.clone()],
@@ -296,7 +310,7 @@ impl<'a> Lighting<'a> {
                     inverse_depth: &scratch.inverse_depth[strip.clone()],
                     surface: &scratch.surface[strip],
                 };
-                let at = (v - first) * width..(v - first + 1) * width;
+                let at = from..from + width;
                 self.shade_row(
                     v,
                     &shadow_row,
