@@ -289,10 +289,10 @@ impl<'a> Lighting<'a> {
         }
         out.packed.resize(length, 0);
         // No closure: that would be compiled for the oldest processor.
-        let shadow = match &self.projector {
-            Some(view) => Some(self.draw_projector(view, first, end, scratch)),
-            None => None,
-        };
+        let mut shadow = None;
+        if let Some(view) = &self.projector {
+            shadow = Some(self.draw_projector(view, first, end, scratch));
+        }
         for v in first..end {
             let from = (v - out.first_row) * width;
             let at = from..from + width;
