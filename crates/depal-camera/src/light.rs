@@ -55,6 +55,19 @@ pub(crate) struct LitRows {
     pub grey: Vec<f32>,
 }
 
+impl LitRows {
+    /// Forgets the rows before this one.
+    pub fn keep_from(&mut self, row: usize, width: usize) {
+        let gone = (row - self.first_row) * width;
+        if gone > 0 {
+            self.depth.copy_within(gone.., 0);
+            self.packed.copy_within(gone.., 0);
+            self.grey.copy_within(gone.., 0);
+        }
+        self.first_row = row;
+    }
+}
+
 /// Scratch memory of a worker.
 #[derive(Default)]
 pub(crate) struct LightScratch {
@@ -144,6 +157,89 @@ impl Lamp {
     }
 }
 
+/// Pixels from one node to the next.
+const SPACING: usize = 16;
+/// Nodes of a piece of a run; what is lit at once.
+const NODES: usize = 16;
+/// Longest piece of a run.
+const PIECE: usize = (NODES - 1) * SPACING;
+
+impl Lamp {
+    /// A piece of a row on a plane, not longer than [`PIECE`]. Deviation and grey are smooth along it:
+    /// they are worked out at every 16th pixel and at the last one, and are straight in between, which
+    /// is right to (16 / f)^2 / 8 of their value. The depth is that of each pixel.
+    #[inline(always)]
+    fn shine_on_plane(
+        &self,
+        (w, x): (&[f32], &[f32]),
+        (k, c1): (f32, f32),
+        depth: &mut [f32],
+        packed: &mut [u32],
+        grey: &mut [f32],
+    ) {
+        let last = w.len() - 1;
+        let (mut node_w, mut node_x) = ([w[last]; NODES], [x[last]; NODES]);
+        for (to, from) in node_w.iter_mut().zip(w.iter().step_by(SPACING)) {
+            *to = *from;
+        }
+        for (to, from) in node_x.iter_mut().zip(x.iter().step_by(SPACING)) {
+            *to = *from;
+        }
+        let (mut sigma, mut shade, mut seen) = ([0.0; NODES], [0.0; NODES], [0.0_f32; NODES]);
+        for n in 0..NODES {
+            let lit = self.shine(node_w[n], node_x[n], k, c1);
+            (sigma[n], shade[n], seen[n]) = (lit.sigma, lit.grey, lit.depth);
+        }
+        // Range and cosines are least or greatest at the ends: what is seen at two nodes is seen
+        // between them.
+        if seen.contains(&0.0) {
+            let pixels = depth.iter_mut().zip(packed).zip(grey).zip(w.iter().zip(x));
+            for (((depth, packed), grey), (w, x)) in pixels {
+                let lit = self.shine(*w, *x, k, c1);
+                *depth = lit.depth;
+                *packed = pack(lit.sigma, self.keep);
+                *grey = lit.grey;
+            }
+            return;
+        }
+        let (depths, depth_rest) = depth.as_chunks_mut::<SPACING>();
+        let (packs, packed_rest) = packed.as_chunks_mut::<SPACING>();
+        let (greys, grey_rest) = grey.as_chunks_mut::<SPACING>();
+        let (chunks, w_rest) = w.as_chunks::<SPACING>();
+        let full = chunks.len();
+        let slope = |values: &[f32; NODES], n: usize| {
+            let span = ((n + 1) * SPACING)
+                .min(last)
+                .saturating_sub(n * SPACING)
+                .max(1);
+            (values[n + 1] - values[n]) / span as f32
+        };
+        let chunks = depths.iter_mut().zip(packs).zip(greys).zip(chunks);
+        for (n, (((depth, packed), grey), w)) in chunks.enumerate() {
+            let (s0, s1) = (sigma[n], slope(&sigma, n));
+            let (g0, g1) = (shade[n], slope(&shade, n));
+            for i in 0..SPACING {
+                let t = i as i32 as f32;
+                depth[i] = 1.0 / w[i];
+                packed[i] = pack(s0 + s1 * t, self.keep);
+                grey[i] = g0 + g1 * t;
+            }
+        }
+        if w_rest.is_empty() {
+            return;
+        }
+        let (s0, s1) = (sigma[full], slope(&sigma, full));
+        let (g0, g1) = (shade[full], slope(&shade, full));
+        let rest = depth_rest.iter_mut().zip(packed_rest).zip(grey_rest);
+        for (i, (((depth, packed), grey), w)) in rest.zip(w_rest).enumerate() {
+            let t = i as i32 as f32;
+            *depth = 1.0 / *w;
+            *packed = pack(s0 + s1 * t, self.keep);
+            *grey = g0 + g1 * t;
+        }
+    }
+}
+
 /// Where the chance of being lost starts and where it is certain, as cosines.
 struct Grazing {
     start: f32,
@@ -182,23 +278,24 @@ impl<'a> Lighting<'a> {
         }
     }
 
-    /// Lights rows `first..end`.
+    /// Lights rows `first..end`, behind those that `out` already holds.
     #[inline(always)]
     pub fn rows(&self, first: usize, end: usize, scratch: &mut LightScratch, out: &mut LitRows) {
         let r = self.rendering;
         let width = r.intrinsics.width;
-        let range = first * width..end * width;
-        out.first_row = first;
+        let length = (end - out.first_row) * width;
         for buffer in [&mut out.depth, &mut out.grey] {
-            buffer.resize(range.len(), 0.0);
+            buffer.resize(length, 0.0);
         }
-        out.packed.resize(range.len(), 0);
-        let shadow = self
-            .projector
-            .as_ref()
-            .map(|view| self.draw_projector(view, first, end, scratch));
+        out.packed.resize(length, 0);
+        // No closure: that would be compiled for the oldest processor.
+        let mut shadow = None;
+        if let Some(view) = &self.projector {
+            shadow = Some(self.draw_projector(view, first, end, scratch));
+        }
         for v in first..end {
-            let at = (v - first) * width..(v - first + 1) * width;
+            let from = (v - out.first_row) * width;
+            let at = from..from + width;
             self.light_row(
                 v,
                 &mut out.depth[at.clone()],
@@ -213,7 +310,7 @@ impl<'a> Lighting<'a> {
                     inverse_depth: &scratch.inverse_depth[strip.clone()],
                     surface: &scratch.surface[strip],
                 };
-                let at = (v - first) * width..(v - first + 1) * width;
+                let at = from..from + width;
                 self.shade_row(
                     v,
                     &shadow_row,
@@ -237,18 +334,19 @@ impl<'a> Lighting<'a> {
     ) -> (i32, usize) {
         let width = self.rendering.intrinsics.width;
         let disparity = (self.rendering.intrinsics.fx * self.spec.baseline) as f32;
-        let mut low = [f32::INFINITY; 16];
-        let mut high = [0.0_f32; 16];
+        // Numbers that are not negative compare like their bits.
+        let (mut low, mut high) = ([u32::MAX; 32], [0_u32; 32]);
         let depths = &self.rendering.inverse_depth[first * width..end * width];
-        let (chunks, rest) = depths.as_chunks::<16>();
+        let (chunks, rest) = depths.as_chunks::<32>();
         for chunk in chunks {
-            for k in 0..16 {
-                low[k] = low[k].min(chunk[k]);
-                high[k] = high[k].max(chunk[k]);
+            for k in 0..32 {
+                low[k] = low[k].min(chunk[k].to_bits());
+                high[k] = high[k].max(chunk[k].to_bits());
             }
         }
-        let low = low.iter().chain(rest).fold(f32::INFINITY, |a, b| a.min(*b));
-        let high = high.iter().chain(rest).fold(0.0_f32, |a, b| a.max(*b));
+        let rest = rest.iter().map(|w| w.to_bits());
+        let low = f32::from_bits(low.into_iter().chain(rest.clone()).fold(u32::MAX, u32::min));
+        let high = f32::from_bits(high.into_iter().chain(rest).fold(0, u32::max));
         let high = high.min(1.0 / self.spec.near as f32);
         let most = MAX_PROJECTOR_WIDTHS * width as f32 - 4.0;
         let (a, b) = (disparity * low, disparity * high.max(low));
@@ -333,8 +431,8 @@ impl<'a> Lighting<'a> {
             let face = &r.view.faces[index as usize];
             let (lamp, gloss) = self.lamp(face, y);
             let (w, x) = (&inverse_depth[start..end], &self.columns[start..end]);
-            let pixels = depth.iter_mut().zip(packed).zip(grey).zip(w.iter().zip(x));
             if face.round != Face::FLAT {
+                let pixels = depth.iter_mut().zip(packed).zip(grey).zip(w.iter().zip(x));
                 let round = &r.view.rounds[face.round as usize];
                 for (((depth, packed), grey), (w, x)) in pixels {
                     let point = Vector::new(f64::from(*x), f64::from(y), 1.0) / f64::from(*w);
@@ -361,14 +459,16 @@ impl<'a> Lighting<'a> {
                     .as_ref()
                     .is_none_or(|g| self.is_steep(&lamp, (w, x), (k, c1), g.start));
             if plain {
-                let keep = lamp.keep;
-                for (((depth, packed), grey), (w, x)) in pixels {
-                    let lit = lamp.shine(*w, *x, k, c1);
-                    *depth = lit.depth;
-                    *packed = pack(lit.sigma, keep);
-                    *grey = lit.grey;
+                let pieces = depth
+                    .chunks_mut(PIECE)
+                    .zip(packed.chunks_mut(PIECE))
+                    .zip(grey.chunks_mut(PIECE))
+                    .zip(w.chunks(PIECE).zip(x.chunks(PIECE)));
+                for (((depth, packed), grey), (w, x)) in pieces {
+                    lamp.shine_on_plane((w, x), (k, c1), depth, packed, grey);
                 }
             } else {
+                let pixels = depth.iter_mut().zip(packed).zip(grey).zip(w.iter().zip(x));
                 for (((depth, packed), grey), (w, x)) in pixels {
                     let lit = lamp.shine(*w, *x, k, c1);
                     self.store(

@@ -164,6 +164,13 @@ pub(crate) struct LatticeRows {
     between: Vec<f32>,
 }
 
+impl LatticeRows {
+    /// What they hold belongs to another frame.
+    pub fn forget(&mut self) {
+        self.number = None;
+    }
+}
+
 impl SmoothNoise {
     pub fn new(counter: Counter, spacing: usize, width: usize) -> Self {
         let weights = (0..spacing)

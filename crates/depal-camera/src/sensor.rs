@@ -1,3 +1,5 @@
+use std::cell::RefCell;
+
 use depal_frames::DepthFrame;
 use rayon::prelude::*;
 
@@ -9,8 +11,15 @@ use crate::noise::{
 use crate::raster::EMPTY;
 use crate::{CameraSpec, Rendering};
 
-/// Rows that are worked on together.
-const ROWS: usize = 32;
+/// Rows that are one job for a thread.
+const ROWS: usize = 128;
+/// Rows that are lit together: they stay in the second-level cache until depth is measured.
+const LIT_ROWS: usize = 32;
+
+thread_local! {
+    /// Kept from frame to frame: fetching new memory costs as much as a tenth of the frame.
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
 
 /// What the sensor makes of a rendering. `noise_seed` should differ from frame to frame.
 ///
@@ -102,9 +111,9 @@ pub fn sense_frame(
         .par_chunks_mut(band)
         .zip(frame.intensity.par_chunks_mut(band))
         .enumerate()
-        .for_each_init(
-            || Scratch::new(i.width),
-            |scratch, (n, (depth, intensity))| {
+        .for_each(|(n, (depth, intensity))| {
+            SCRATCH.with_borrow_mut(|scratch| {
+                scratch.fit(i.width);
                 let first = n * ROWS;
                 arch.dispatch(BandJob {
                     sensor: &sensor,
@@ -113,8 +122,8 @@ pub fn sense_frame(
                     depth,
                     intensity,
                 });
-            },
-        );
+            });
+        });
 }
 
 /// Ids and exact depths of a band.
@@ -170,6 +179,7 @@ impl pulp::WithSimd for BandJob<'_> {
 }
 
 /// Buffers of one worker.
+#[derive(Default)]
 struct Scratch {
     light: LightScratch,
     lit: LitRows,
@@ -177,6 +187,7 @@ struct Scratch {
     row: RowScratch,
 }
 
+#[derive(Default)]
 struct RowScratch {
     smooth: Vec<f32>,
     blend: Vec<f32>,
@@ -191,21 +202,21 @@ struct RowScratch {
 }
 
 impl Scratch {
-    fn new(width: usize) -> Self {
-        Self {
-            light: LightScratch::default(),
-            lit: LitRows::default(),
-            lattice: LatticeRows::default(),
-            row: RowScratch {
-                smooth: vec![0.0; width],
-                blend: vec![0.0; width],
-                border: vec![0; width],
-                turns: vec![0; width + 2],
-                depth: vec![0.0; width],
-                packed: vec![0; width],
-                places: vec![0; width],
-                words: [vec![0; width], vec![0; width], vec![0; width]],
-            },
+    /// Makes room for rows of this width and forgets what belongs to an earlier frame.
+    fn fit(&mut self, width: usize) {
+        self.lattice.forget();
+        let row = &mut self.row;
+        for buffer in [&mut row.smooth, &mut row.blend, &mut row.depth] {
+            buffer.resize(width, 0.0);
+        }
+        row.border.resize(width, 0);
+        // One more at each end, which stays empty.
+        row.turns.clear();
+        row.turns.resize(width + 2, 0);
+        row.packed.resize(width, 0);
+        row.places.resize(width, 0);
+        for words in &mut row.words {
+            words.resize(width, 0);
         }
     }
 }
@@ -267,14 +278,21 @@ impl Sensor<'_> {
         // Jitter and lens look at rows beside this band.
         let reach = self.jitter.len().max(1);
         let lit_end = (end + reach).min(i.height);
-        self.lighting.rows(
-            first.saturating_sub(reach),
-            lit_end,
-            &mut scratch.light,
-            &mut scratch.lit,
-        );
+        let mut lit_to = first.saturating_sub(reach);
+        scratch.lit.first_row = lit_to;
         let rows = depth.chunks_mut(i.width).zip(intensity.chunks_mut(i.width));
         for (v, (depth_row, intensity_row)) in (first..end).zip(rows) {
+            while lit_to < (v + reach + 1).min(lit_end) {
+                let from = lit_to;
+                lit_to = ((from / LIT_ROWS + 1) * LIT_ROWS).min(lit_end);
+                // The last few may be too few for a round of their own.
+                if lit_end - lit_to < LIT_ROWS / 2 {
+                    lit_to = lit_end;
+                }
+                let Scratch { light, lit, .. } = scratch;
+                lit.keep_from(v.saturating_sub(reach).min(from), i.width);
+                self.lighting.rows(from, lit_to, light, lit);
+            }
             let mut bits = RowBits::new(self.pixel_noise, v);
             for words in &mut scratch.row.words {
                 bits.fill(words);
@@ -395,23 +413,55 @@ impl Sensor<'_> {
             if marks.iter().all(|m| *m == 0) {
                 continue;
             }
+            let first = block * 16;
+            let steps = self.steps(first, marks.len(), v);
             for (k, _) in marks.iter().enumerate().filter(|(_, m)| **m != 0) {
-                let u = block * 16 + k;
-                if scratch.depth[u] == 0.0 {
-                    continue;
-                }
-                let (nearest, farthest, gap) = self.depth_range(u, v);
-                if !gap && farthest - nearest <= s.step as f32 {
+                let u = first + k;
+                if !steps[k] || scratch.depth[u] == 0.0 {
                     continue;
                 }
                 let chance = self.step_noise.word((v * width + u) as u64) >> 32;
                 if chance < dropout {
                     scratch.depth[u] = 0.0;
                 } else if chance < dropout + mixed {
+                    let (nearest, farthest) = self.depth_range(u, v);
                     scratch.depth[u] = 0.5 * (nearest + farthest);
                 }
             }
         }
+    }
+
+    /// Which of the pixels from column `first` on have a depth step or nothing within 3x3.
+    #[inline(always)]
+    fn steps(&self, first: usize, count: usize, v: usize) -> [bool; 16] {
+        let i = &self.rendering.intrinsics;
+        let step = self.spec.sensor.step as f32;
+        let rows = [v.saturating_sub(1), v, (v + 1).min(i.height - 1)]
+            .map(|v| &self.rendering.inverse_depth[v * i.width..(v + 1) * i.width]);
+        // The pixels and one more on each side.
+        let windows: [[f32; 18]; 3] = if first > 0 && first + 17 <= i.width {
+            rows.map(|row| std::array::from_fn(|k| row[first - 1..first + 17][k]))
+        } else {
+            rows.map(|row| {
+                std::array::from_fn(|k| row[(first + k).clamp(1, i.width.min(first + count)) - 1])
+            })
+        };
+        let least = |a: f32, b: f32| if a < b { a } else { b };
+        let most = |a: f32, b: f32| if a > b { a } else { b };
+        let (mut low, mut high) = ([0.0_f32; 18], [0.0_f32; 18]);
+        for k in 0..18 {
+            let [a, b, c] = [windows[0][k], windows[1][k], windows[2][k]];
+            low[k] = least(least(a, b), c);
+            high[k] = most(most(a, b), c);
+        }
+        let mut steps = [false; 16];
+        for k in 0..16 {
+            let low = least(least(low[k], low[k + 1]), low[k + 2]);
+            let high = most(most(high[k], high[k + 1]), high[k + 2]);
+            // 1/low - 1/high > step, without the divisions; 1/z = 0 is nothing.
+            steps[k] = (low <= 0.0) | (high - low > step * low * high);
+        }
+        steps
     }
 
     /// Marks the pixels of row `v` with more than one surface within 3x3.
@@ -436,24 +486,21 @@ impl Sensor<'_> {
         }
     }
 
-    /// Nearest and farthest depth within 3x3, and whether there is nothing at one of the pixels.
+    /// Nearest and farthest depth within 3x3.
     #[inline(always)]
-    fn depth_range(&self, u: usize, v: usize) -> (f32, f32, bool) {
+    fn depth_range(&self, u: usize, v: usize) -> (f32, f32) {
         let i = &self.rendering.intrinsics;
         let (mut low, mut high) = (f32::INFINITY, 0.0_f32);
-        let mut gap = false;
         let (left, right) = (u.saturating_sub(1), (u + 1).min(i.width - 1));
         for y in v.saturating_sub(1)..=(v + 1).min(i.height - 1) {
             for w in &self.rendering.inverse_depth[y * i.width + left..=y * i.width + right] {
                 if *w > 0.0 {
                     low = low.min(*w);
                     high = high.max(*w);
-                } else {
-                    gap = true;
                 }
             }
         }
-        (1.0 / high, 1.0 / low, gap)
+        (1.0 / high, 1.0 / low)
     }
 
     #[inline(always)]

@@ -148,28 +148,4 @@ fn parse_size(text: &str) -> Result<BoxSize, String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::parse_size;
-
-    #[test]
-    fn sizes_are_read_strictly() {
-        let size = parse_size("300x400x250.5").expect("a size");
-        for (side, mm) in size.to_mm().into_iter().zip([400.0, 300.0, 250.5]) {
-            assert!((side - mm).abs() < 1e-9);
-        }
-        for wrong in [
-            "",
-            "400",
-            "400x300",
-            "400x300x250x1",
-            "ax1x1",
-            "400x-300x250",
-            "400x300xNaN",
-            "1x1x1",
-            "400x300xinf",
-        ] {
-            let message = parse_size(wrong).unwrap_err();
-            assert!(message.contains("400x300x250"), "{message}");
-        }
-    }
-}
+mod tests;

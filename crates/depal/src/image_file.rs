@@ -7,6 +7,7 @@ use depal_frames::Intrinsics;
 use png::{BitDepth, ColorType};
 
 use crate::failure::Failure;
+use crate::false_colour::{Indexed, palette};
 
 /// More pixels than any depth camera has; keeps a wrong header from asking for all memory.
 const MOST_PIXELS: usize = 1 << 26;
@@ -58,6 +59,21 @@ pub fn grey_png(intrinsics: &Intrinsics, grey: &[u8]) -> Result<Vec<u8>, Failure
 pub fn colour_png(intrinsics: &Intrinsics, pixels: &[[u8; 3]]) -> Result<Vec<u8>, Failure> {
     let bytes = pixels.as_flattened();
     encode(intrinsics, ColorType::Rgb, BitDepth::Eight, bytes)
+}
+
+/// An 8-bit PNG with the colours of depth.
+pub fn false_colour_png(picture: &Indexed) -> Result<Vec<u8>, Failure> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, picture.width as u32, picture.height as u32);
+    encoder.set_color(ColorType::Indexed);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_palette(palette());
+    encoder.set_compression(png::Compression::High);
+    encoder
+        .write_header()
+        .and_then(|mut writer| writer.write_image_data(&picture.pixels))
+        .map_err(|error| Failure::Environment(format!("cannot encode a PNG: {error}")))?;
+    Ok(file)
 }
 
 fn encode(

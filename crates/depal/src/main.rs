@@ -15,6 +15,7 @@ mod exec_output;
 mod exec_tasks;
 mod explain;
 mod failure;
+mod false_colour;
 mod image_file;
 mod init;
 mod kinematics;

@@ -94,3 +94,30 @@ fn senseless_intrinsics_are_named() {
         assert!(message.contains(name), "{message}");
     }
 }
+
+#[test]
+fn a_huge_header_is_refused_before_memory_is_asked_for() {
+    // 60,000 x 60,000 pixels of 16 bits would be 7 GB.
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, 60_000, 60_000);
+    encoder.set_color(ColorType::Grayscale);
+    encoder.set_depth(BitDepth::Sixteen);
+    let mut writer = encoder.write_header().expect("a header");
+    writer
+        .write_chunk(png::chunk::IDAT, &[0])
+        .expect("the start of an image");
+    drop(writer);
+    let message = decode_depth(&file, &intrinsics(1280, 1024), 1e-4).unwrap_err();
+    assert!(message.contains("1280 x 1024"), "{message}");
+    assert!(message.contains("60000 x 60000"), "{message}");
+}
+
+#[test]
+fn the_smallest_and_the_widest_image_are_read() {
+    for (width, height) in [(1, 1), (16_384, 1), (16_384, 4)] {
+        let i = intrinsics(width, height);
+        let depth = depth_png(&i, &vec![1.5; width * height]).expect("encodes");
+        let depth = decode_depth(&depth, &i, 1e-4).expect("decodes");
+        assert_eq!(depth.len(), width * height);
+    }
+}
