@@ -372,3 +372,22 @@ fn rules_that_the_manuals_leave_open_are_as_the_page_says() {
         assert_eq!(written, rule.output, "{}", rule.question);
     }
 }
+
+#[test]
+fn an_input_is_not_set_by_the_program() {
+    assert_eq!(refused("", "SetDO di_part, 1;"), ["RAPID0104"]);
+    assert_eq!(refused("", "SetGO gi_count, 1;"), ["RAPID0104"]);
+    assert!(refused("", "SetDO do_pump, 1;").is_empty());
+}
+
+#[test]
+fn a_quaternion_must_have_length_1() {
+    let go = "MoveL [[0,0,0],[LENGTH,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v100, fine, tool0; TPWrite \"gone\";\nERROR\nIF ERRNO = ERR_ORIENT_VALUE TPWrite \"length\";\nRETURN;";
+    let lines = |length: &str| {
+        let mut lines = output("", &go.replace("LENGTH", length));
+        lines.retain(|line| !line.contains("tcp"));
+        lines
+    };
+    assert_eq!(lines("1.05"), ["length"]);
+    assert_eq!(lines("1.005"), ["gone"]);
+}
