@@ -16,6 +16,9 @@ pub const LEAST_SEEN: f64 = 0.15;
 /// Least share for a side to turn an arranged box.
 pub const TURN_SEEN: f64 = 0.5;
 
+/// So many seen sides must not be mere shadows of something taller: the floor of a cage ends in those.
+const LEAST_TRUE_EDGES: usize = 2;
+
 /// What is demanded of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Proof {
@@ -94,23 +97,33 @@ fn check(
     };
     let fit = fit_rectangle(image, frame, extents, tolerance, &fitting);
 
-    let proven = fit.sides.iter().filter(|s| s.seen >= LEAST_SEEN).count();
-    let needed = if proof == Proof::Outline { 3 } else { 0 };
-    if proven < needed {
-        return Err(RejectReason::NoKnownSize);
-    }
+    let allowed = settings.size_tolerance + pitch;
+    let mut proven = fit.sides.iter().filter(|s| s.seen >= LEAST_SEEN).count();
+    let true_edges = fit
+        .sides
+        .iter()
+        .filter(|s| s.is_true_edge(LEAST_SEEN))
+        .count();
     let mut misfit = 0.0f64;
     let mut measured = extents;
     for (axis, measured) in measured.iter_mut().enumerate() {
         let (low, high) = (fit.sides[2 * axis], fit.sides[2 * axis + 1]);
         if low.seen >= LEAST_SEEN && high.seen >= LEAST_SEEN {
             let error = low.offset + high.offset + 2.0 * INSET_PIXELS * pitch;
+            if low.shadowed != high.shadowed && error < 0.0 {
+                // A shadow hides the rest; the size and the other side say where it ends.
+                proven -= usize::from(-error > allowed);
+                continue;
+            }
             misfit = misfit.max(error.abs());
             *measured += error;
         }
     }
-    let allowed = settings.size_tolerance + pitch;
-    if misfit > allowed {
+    let (needed, needed_edges) = match proof {
+        Proof::Outline => (3, LEAST_TRUE_EDGES),
+        Proof::Arrangement { .. } => (0, 0),
+    };
+    if misfit > allowed || proven < needed || true_edges < needed_edges {
         return Err(RejectReason::NoKnownSize);
     }
 
