@@ -133,6 +133,50 @@ pub fn fit_rectangle(
     RectangleFit { frame, sides }
 }
 
+/// Moves a rectangle along an axis on which only the shadow of something taller was seen, onto the true edge that
+/// its surface shows up to `reach` metres inside one of the two sides; `None` without exactly one such edge.
+pub fn anchored(
+    image: &DepthImage,
+    frame: &PlaneFrame,
+    extents: [f64; 2],
+    tolerance: f64,
+    axis: usize,
+    reach: f64,
+) -> Option<PlaneFrame> {
+    /// Share of the scan lines that must end in it.
+    const MOST_OF_IT: f64 = 0.5;
+    let pitch = pixel_pitch(frame, &image.intrinsics);
+    let edge = |sign: f64| {
+        let found = scan(
+            image,
+            frame,
+            extents,
+            axis,
+            sign,
+            reach,
+            2.0 * pitch,
+            tolerance,
+            MOST_OF_IT,
+        );
+        let enough = found.crossings.len() as f64 >= MOST_OF_IT * found.lines as f64;
+        if found.shadowed || !enough {
+            return None;
+        }
+        let mut beyond: Vec<f64> = found.crossings.iter().map(|c| c.beyond).collect();
+        let middle = beyond.len() / 2;
+        Some(sign * (*beyond.select_nth_unstable_by(middle, f64::total_cmp).1))
+    };
+    let shift = match (edge(-1.0), edge(1.0)) {
+        (Some(shift), None) | (None, Some(shift)) => shift,
+        _ => return None,
+    };
+    let direction = if axis == 0 { frame.x } else { frame.y };
+    Some(PlaneFrame {
+        origin: frame.origin + direction * shift,
+        ..*frame
+    })
+}
+
 struct ScanLines {
     crossings: Vec<Crossing>,
     lines: usize,

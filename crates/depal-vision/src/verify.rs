@@ -8,7 +8,7 @@ use crate::{
     gate::DepthImage,
     patch::{Class, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
-    sides::{FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, fit_rectangle},
+    sides::{FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, SideFit, anchored, fit_rectangle},
 };
 
 /// Least share of scan lines with an edge for a side to count as seen.
@@ -18,6 +18,9 @@ pub const TURN_SEEN: f64 = 0.5;
 
 /// So many seen sides must not be mere shadows of something taller: the floor of a cage ends in those.
 const LEAST_TRUE_EDGES: usize = 2;
+
+/// Share of a side's extent that a shadow may hide and still be slid under.
+const MOST_HIDDEN: f64 = 0.2;
 
 /// What is demanded of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,10 +98,24 @@ fn check(
             sides,
         },
     };
-    let fit = fit_rectangle(image, frame, extents, tolerance, &fitting);
+    let mut fit = fit_rectangle(image, frame, extents, tolerance, &fitting);
+    for axis in 0..2 {
+        let blind =
+            |fit: &RectangleFit| !(0..2).any(|k| fit.sides[2 * axis + k].is_true_edge(LEAST_SEEN));
+        if proof != Proof::Outline || !blind(&fit) {
+            continue;
+        }
+        let reach = extents[axis] * (1.0 - settings.min_visible).min(MOST_HIDDEN);
+        if let Some(frame) = anchored(image, &fit.frame, extents, tolerance, axis, reach) {
+            let again = fit_rectangle(image, frame, extents, tolerance, &fitting);
+            if !blind(&again) {
+                fit = again;
+            }
+        }
+    }
 
     let allowed = settings.size_tolerance + pitch;
-    let mut proven = fit.sides.iter().filter(|s| s.seen >= LEAST_SEEN).count();
+    let mut proven = 0;
     let true_edges = fit
         .sides
         .iter()
@@ -108,6 +125,11 @@ fn check(
     let mut measured = extents;
     for (axis, measured) in measured.iter_mut().enumerate() {
         let (low, high) = (fit.sides[2 * axis], fit.sides[2 * axis + 1]);
+        // A shadow alone pins nothing.
+        let alone = |one: &SideFit, other: &SideFit| {
+            one.seen >= LEAST_SEEN && (!one.shadowed || other.seen >= LEAST_SEEN)
+        };
+        proven += usize::from(alone(&low, &high)) + usize::from(alone(&high, &low));
         if low.seen >= LEAST_SEEN && high.seen >= LEAST_SEEN {
             let error = low.offset + high.offset + 2.0 * INSET_PIXELS * pitch;
             if low.shadowed != high.shadowed && error < 0.0 {
