@@ -264,11 +264,10 @@ fn scan(
                             let s = s as f32;
                             (u0 + du * s, v0 + dv * s, z0 + dz * s)
                         })
-                        .take_while(|(u, v, _)| {
-                            *u >= 0.0 && *v >= 0.0 && *u < width && *v < height
-                        })
+                        .take_while(|(u, v, _)| *u >= 0.0 && *v >= 0.0 && *u < width && *v < height)
                         .map(|(u, v, expected)| {
-                            let z = image.depth[v as i32 as usize * image.width + u as i32 as usize];
+                            let z =
+                                image.depth[v as i32 as usize * image.width + u as i32 as usize];
                             (z, expected)
                         })
                         .find(|(z, _)| *z != 0.0)

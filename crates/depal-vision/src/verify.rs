@@ -8,7 +8,10 @@ use crate::{
     gate::DepthImage,
     patch::{Class, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
-    sides::{FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, SideFit, anchored, fit_rectangle},
+    sides::{
+        FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, SideFit, anchored,
+        fit_rectangle,
+    },
 };
 
 /// Least share of scan lines with an edge for a side to count as seen.
