@@ -166,9 +166,8 @@ pub fn anchored(
         let middle = beyond.len() / 2;
         Some(sign * (*beyond.select_nth_unstable_by(middle, f64::total_cmp).1))
     };
-    let shift = match (edge(-1.0), edge(1.0)) {
-        (Some(shift), None) | (None, Some(shift)) => shift,
-        _ => return None,
+    let ((Some(shift), None) | (None, Some(shift))) = (edge(-1.0), edge(1.0)) else {
+        return None;
     };
     let direction = if axis == 0 { frame.x } else { frame.y };
     Some(PlaneFrame {
