@@ -143,28 +143,9 @@ pub fn anchored(
     axis: usize,
     reach: f64,
 ) -> Option<PlaneFrame> {
-    /// Share of the scan lines that must end in it.
-    const MOST_OF_IT: f64 = 0.5;
-    let pitch = pixel_pitch(frame, &image.intrinsics);
     let edge = |sign: f64| {
-        let found = scan(
-            image,
-            frame,
-            extents,
-            axis,
-            sign,
-            reach,
-            2.0 * pitch,
-            tolerance,
-            MOST_OF_IT,
-        );
-        let enough = found.crossings.len() as f64 >= MOST_OF_IT * found.lines as f64;
-        if found.shadowed || !enough {
-            return None;
-        }
-        let mut beyond: Vec<f64> = found.crossings.iter().map(|c| c.beyond).collect();
-        let middle = beyond.len() / 2;
-        Some(sign * (*beyond.select_nth_unstable_by(middle, f64::total_cmp).1))
+        edge_inside(image, frame, extents, tolerance, (axis, sign), reach)
+            .map(|beyond| sign * beyond)
     };
     let ((Some(shift), None) | (None, Some(shift))) = (edge(-1.0), edge(1.0)) else {
         return None;
@@ -174,6 +155,31 @@ pub fn anchored(
         origin: frame.origin + direction * shift,
         ..*frame
     })
+}
+
+/// How far beyond its place (-: short of it) a side `(axis, sign)` shows a true edge, up to `reach` metres away;
+/// `None` where half of its length shows none.
+pub fn edge_inside(
+    image: &DepthImage,
+    frame: &PlaneFrame,
+    extents: [f64; 2],
+    tolerance: f64,
+    (axis, sign): (usize, f64),
+    reach: f64,
+) -> Option<f64> {
+    /// Share of the scan lines that must end in it.
+    const MOST_OF_IT: f64 = 0.5;
+    let stride = 2.0 * pixel_pitch(frame, &image.intrinsics);
+    let found = scan(
+        image, frame, extents, axis, sign, reach, stride, tolerance, MOST_OF_IT,
+    );
+    let enough = found.crossings.len() as f64 >= MOST_OF_IT * found.lines as f64;
+    if found.shadowed || !enough {
+        return None;
+    }
+    let mut beyond: Vec<f64> = found.crossings.iter().map(|c| c.beyond).collect();
+    let middle = beyond.len() / 2;
+    Some(*beyond.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 struct ScanLines {

@@ -9,7 +9,7 @@ use crate::{
     patch::{Class, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
     sides::{
-        FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, SideFit, anchored,
+        FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, SideFit, anchored, edge_inside,
         fit_rectangle,
     },
 };
@@ -150,6 +150,22 @@ fn check(
     };
     if misfit > allowed || proven < needed || true_edges < needed_edges {
         return Err(RejectReason::NoKnownSize);
+    }
+
+    if proof == Proof::Outline {
+        // A side that is not seen must be hidden; a surface that ends before it is a smaller one.
+        for (k, side) in fit.sides.iter().enumerate() {
+            let (axis, sign) = (k / 2, if k % 2 == 0 { -1.0 } else { 1.0 });
+            if side.seen >= LEAST_SEEN {
+                continue;
+            }
+            let reach = extents[axis] * MOST_HIDDEN;
+            let at = (axis, sign);
+            let ends = edge_inside(image, &fit.frame, extents, tolerance, at, reach);
+            if ends.is_some_and(|beyond| beyond < -allowed) {
+                return Err(RejectReason::NoKnownSize);
+            }
+        }
     }
 
     // Where steps were smeared, the outermost pixels are guesses.
