@@ -18,6 +18,8 @@ const MOST_READINGS: usize = 16;
 /// share, and by this many times the mean of a block.
 const WORSE_SHARE: f64 = 0.01;
 const WORSE_BLOCKS: f64 = 30.0;
+/// Each carton more explains so many means of a block of noise, for its plane fits that as well.
+const OVERFIT_BLOCKS: f64 = 20.0;
 /// A carton may be as uneven as this share of the plane tolerance: 0.13 mm by default.
 const UNEVEN: f64 = 1.0 / 30.0;
 /// And as this multiple of the noise says.
@@ -90,11 +92,11 @@ pub fn arrange(
     let least = search.least?;
     // Even the best reading leaves steps in the middle of cartons: the right one is not among them.
     let uneven = tolerance * UNEVEN;
-    let most = MOST_NOISE * search.relief.noise() + uneven * uneven;
+    let noise = lags(patch).iter().map(|&lag| search.relief.noise(lag));
+    let most = MOST_NOISE * noise.fold(0.0, f64::max) + uneven * uneven;
     if least.squares > most * least.blocks as f64 {
         return None;
     }
-    let limit = least.limit();
     let best_fitting = &search.readings.first()?.1;
     let (squares, count) = search.relief.misfit(best_fitting);
     let mean = least.squares / least.blocks.max(1) as f64;
@@ -108,7 +110,7 @@ pub fn arrange(
     let mut readings: Vec<Vec<Candidate>> = search
         .readings
         .into_iter()
-        .filter(|(misfit, _)| misfit.squares <= limit)
+        .filter(|(misfit, _)| !least.rules_out(misfit))
         .map(|(_, r)| r[fixed.len()..].to_vec())
         .filter(|r| !r.is_empty())
         .collect();
@@ -179,6 +181,11 @@ pub fn arrange(
         ambiguous: false,
         unique,
     })
+}
+
+/// Distances in blocks over which noise is measured: that of a camera that smears goes on over many pixels.
+fn lags(patch: &Patch) -> &'static [usize] {
+    if patch.is_smeared() { &[1, 2, 4] } else { &[1] }
 }
 
 /// Mean edge seen per box.
@@ -295,13 +302,17 @@ pub fn touches(b: &Candidate, other: &Candidate, side: usize, pitch: f64) -> boo
 struct Misfit {
     squares: f64,
     blocks: usize,
+    cartons: usize,
 }
 
 impl Misfit {
-    /// Beyond this another reading is out of the question.
-    fn limit(&self) -> f64 {
+    /// True when another reading, or the part of one, is out of the question beside this one.
+    fn rules_out(&self, other: &Self) -> bool {
         let mean = self.squares / self.blocks.max(1) as f64;
-        self.squares * (1.0 + WORSE_SHARE) + WORSE_BLOCKS * mean
+        let fewer = self.cartons as f64 - other.cartons as f64;
+        let limit = self.squares * (1.0 + WORSE_SHARE)
+            + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean;
+        other.squares > limit
     }
 }
 
@@ -320,7 +331,7 @@ impl Cover<'_> {
     /// `from`: all blocks before it are covered. The first uncovered block (lowest row, then
     /// column) holds the low corner of some box. The most plane box is tried first.
     fn descend(&mut self, placed: &mut Vec<Candidate>, from: usize, misfit: Misfit) {
-        if self.tries >= MOST_TRIES || self.least.is_some_and(|l| misfit.squares > l.limit()) {
+        if self.tries >= MOST_TRIES || self.least.is_some_and(|l| l.rules_out(&misfit)) {
             return;
         }
         let covered = |block: &[usize; 2], placed: &[Candidate]| {
@@ -355,7 +366,12 @@ impl Cover<'_> {
                 self.tries += 1;
                 if let Some(candidate) = self.place(corner, label as u32, turned, cells, placed) {
                     let (squares, blocks) = self.relief.misfit(&[candidate]);
-                    options.push((Misfit { squares, blocks }, candidate));
+                    let alone = Misfit {
+                        squares,
+                        blocks,
+                        cartons: 1,
+                    };
+                    options.push((alone, candidate));
                 }
             }
         }
@@ -366,6 +382,7 @@ impl Cover<'_> {
             let together = Misfit {
                 squares: misfit.squares + more.squares,
                 blocks: misfit.blocks + more.blocks,
+                cartons: misfit.cartons + more.cartons,
             };
             self.descend(placed, next, together);
             placed.pop();

@@ -46,6 +46,9 @@ impl DepthImage<'_> {
 /// Side of a block whose heights are averaged, cells.
 pub const BLOCK: usize = 8;
 
+/// Cells along a carton's sides that say nothing of its inside, with a camera that does not smear steps.
+pub const SHARP_RIM: usize = 3;
+
 /// Side of the squares in which deep cells are counted, cells.
 const COARSE: usize = 4;
 
@@ -397,6 +400,11 @@ impl Patch {
             horizontal,
             heights,
         }
+    }
+
+    /// True when the camera smears steps, and with them its noise.
+    pub fn is_smeared(&self) -> bool {
+        self.rim > SHARP_RIM
     }
 
     /// Number of surface cells of a block (column, row of blocks).

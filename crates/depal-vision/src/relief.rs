@@ -36,14 +36,14 @@ impl Relief {
         }
     }
 
-    /// Variance of a block's height by noise, square metres, from how much the blocks of a row bend.
-    pub fn noise(&self) -> f64 {
+    /// Variance of a block's height by noise, square metres, from how much blocks of a row `lag` apart bend.
+    pub fn noise(&self, lag: usize) -> f64 {
         // Of a - 2 b + c for white noise: six variances; the median of a square is 0.455 of its mean.
         const PER_MEDIAN: f64 = 1.0 / (6.0 * 0.455);
         let mut bends: Vec<f64> = Vec::new();
         for row in self.heights.chunks(self.columns.max(1)) {
-            for w in row.windows(3) {
-                if let [Some(a), Some(b), Some(c)] = w {
+            for w in row.windows(2 * lag + 1) {
+                if let (Some(a), Some(b), Some(c)) = (w[0], w[lag], w[2 * lag]) {
                     bends.push(f64::from(a - 2.0 * b + c).powi(2));
                 }
             }

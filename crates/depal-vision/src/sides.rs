@@ -11,6 +11,8 @@ struct Crossing {
     along: f64,
     /// Beyond (+) or short of (-) the expected side, metres.
     beyond: f64,
+    /// Something taller stands behind what was not measured there: its shadow, perhaps no edge at all.
+    shadowed: bool,
 }
 
 /// What was measured at one side.
@@ -20,6 +22,15 @@ pub struct SideFit {
     pub seen: f64,
     /// Mean of (edge - expected) along the outward direction at the middle of the side, metres.
     pub offset: f64,
+    /// Nearly all of it ends in the shadow of something taller: the real side may lie farther out.
+    pub shadowed: bool,
+}
+
+impl SideFit {
+    /// A side that shows where the surface really ends.
+    pub fn is_true_edge(&self, least_seen: f64) -> bool {
+        self.seen >= least_seen && !self.shadowed
+    }
 }
 
 /// A rectangle in a plane, moved onto the edges of the image.
@@ -81,6 +92,7 @@ pub fn fit_rectangle(
                 return ScanLines {
                     crossings: Vec::new(),
                     lines: 1,
+                    shadowed: false,
                 };
             }
             scan(
@@ -92,6 +104,7 @@ pub fn fit_rectangle(
                 reach * pitch + 0.001,
                 stride * pitch,
                 tolerance,
+                least_seen,
             )
         });
         let (turn, fitted) = fit_lines(&lines, pitch, fitting);
@@ -99,7 +112,12 @@ pub fn fit_rectangle(
         frame = frame.turned(turn);
         for axis in 0..2 {
             let (low, high) = (sides[2 * axis], sides[2 * axis + 1]);
-            let shift = match (low.seen >= least_seen, high.seen >= least_seen) {
+            // A shadowed side says nothing where the one opposite is a true edge.
+            let counts = |one: &SideFit, other: &SideFit| {
+                one.is_true_edge(least_seen)
+                    || one.seen >= least_seen && !other.is_true_edge(least_seen)
+            };
+            let shift = match (counts(&low, &high), counts(&high, &low)) {
                 (true, true) => (high.offset - low.offset) / 2.0,
                 (true, false) => -(low.offset + inset),
                 (false, true) => high.offset + inset,
@@ -115,10 +133,82 @@ pub fn fit_rectangle(
     RectangleFit { frame, sides }
 }
 
+/// Moves a rectangle along an axis on which only the shadow of something taller was seen, onto the true edge that
+/// its surface shows up to `reach` metres inside one of the two sides; `None` without exactly one such edge.
+pub fn anchored(
+    image: &DepthImage,
+    frame: &PlaneFrame,
+    extents: [f64; 2],
+    tolerance: f64,
+    axis: usize,
+    reach: f64,
+) -> Option<PlaneFrame> {
+    let edge = |sign: f64| {
+        edge_inside(image, frame, extents, tolerance, (axis, sign), reach)
+            .map(|beyond| sign * beyond)
+    };
+    let ((Some(shift), None) | (None, Some(shift))) = (edge(-1.0), edge(1.0)) else {
+        return None;
+    };
+    let direction = if axis == 0 { frame.x } else { frame.y };
+    Some(PlaneFrame {
+        origin: frame.origin + direction * shift,
+        ..*frame
+    })
+}
+
+/// How far beyond its place (-: short of it) a side `(axis, sign)` shows a true edge, up to `reach` metres away;
+/// `None` where half of its length shows none.
+pub fn edge_inside(
+    image: &DepthImage,
+    frame: &PlaneFrame,
+    extents: [f64; 2],
+    tolerance: f64,
+    (axis, sign): (usize, f64),
+    reach: f64,
+) -> Option<f64> {
+    /// Share of the scan lines that must end in it.
+    const MOST_OF_IT: f64 = 0.5;
+    let stride = 2.0 * pixel_pitch(frame, &image.intrinsics);
+    let found = scan(
+        image, frame, extents, axis, sign, reach, stride, tolerance, MOST_OF_IT,
+    );
+    let enough = found.crossings.len() as f64 >= MOST_OF_IT * found.lines as f64;
+    if found.shadowed || !enough {
+        return None;
+    }
+    let mut beyond: Vec<f64> = found.crossings.iter().map(|c| c.beyond).collect();
+    let middle = beyond.len() / 2;
+    Some(*beyond.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
 struct ScanLines {
     crossings: Vec<Crossing>,
     lines: usize,
+    shadowed: bool,
 }
+
+impl ScanLines {
+    /// Crossings into the shadow of something taller only count where there is next to nothing else.
+    fn new(mut crossings: Vec<Crossing>, lines: usize, least_seen: f64) -> Self {
+        let clear = crossings.iter().filter(|c| !c.shadowed).count();
+        let enough = clear as f64 >= least_seen * lines as f64;
+        if enough {
+            crossings.retain(|c| !c.shadowed);
+        }
+        let shadowed = !enough && 2 * clear < crossings.len();
+        Self {
+            crossings,
+            lines,
+            shadowed,
+        }
+    }
+}
+
+/// Something this much nearer than a plane throws a shadow that matters, metres.
+const TALLER: f32 = 0.010;
+/// The longest shadow that is followed, pixels.
+const LONGEST_SHADOW: i32 = 80;
 
 fn scan(
     image: &DepthImage,
@@ -129,6 +219,7 @@ fn scan(
     reach: f64,
     stride: f64,
     tolerance: f64,
+    least_seen: f64,
 ) -> ScanLines {
     let k: &Intrinsics = &image.intrinsics;
     let (outward, tangent) = if axis == 0 {
@@ -172,18 +263,33 @@ fn scan(
                 && (z == 0.0 || z > expected)
             {
                 // Half way between the centres of the last surface pixel and this one.
+                let shadowed = z == 0.0
+                    && (step + 1..=step + LONGEST_SHADOW)
+                        .map(|s| {
+                            let s = s as f32;
+                            (u0 + du * s, v0 + dv * s, z0 + dz * s)
+                        })
+                        .take_while(|(u, v, _)| *u >= 0.0 && *v >= 0.0 && *u < width && *v < height)
+                        .map(|(u, v, expected)| {
+                            let z =
+                                image.depth[v as i32 as usize * image.width + u as i32 as usize];
+                            (z, expected)
+                        })
+                        .find(|(z, _)| *z != 0.0)
+                        .is_some_and(|(z, expected)| z < expected - tolerance.max(TALLER));
                 let middle = |a: i32, b: i32| f64::from(a + b) / 2.0;
                 let ray = k.ray(middle(inner.0, u), middle(inner.1, v));
                 let at = frame.plane.meet(&ray) - frame.origin;
                 crossings.push(Crossing {
                     along: at.dot(&tangent),
                     beyond: at.dot(&outward) - half,
+                    shadowed,
                 });
             }
             break;
         }
     }
-    ScanLines { crossings, lines }
+    ScanLines::new(crossings, lines, least_seen)
 }
 
 /// One turn for all sides (they stay orthogonal) and an offset for each, by reweighted least
@@ -200,6 +306,9 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [Si
     }
     let mut turn = 0.0;
     let mut seen = [0.0; 4];
+    let any_clear = sides.iter().any(|side| {
+        !side.shadowed && side.crossings.len() as f64 >= fitting.turn_seen * side.lines as f64
+    });
     for width in [3.0, 2.0, 1.2, 1.0, 1.0] {
         let scale = 1.0 / (width * pitch).powi(2);
         let (mut top, mut bottom) = (0.0, 1e-12);
@@ -225,7 +334,7 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [Si
             }
             let (mean_t, mean_d) = (wt / w, wd / w);
             means[k] = (mean_t, mean_d);
-            if seen[k] >= fitting.turn_seen {
+            if seen[k] >= fitting.turn_seen && (!side.shadowed || !any_clear) {
                 turning += 1;
                 top += wtd - w * mean_t * mean_d;
                 bottom += wtt - w * mean_t * mean_t;
@@ -243,6 +352,7 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [Si
     let fits = [0, 1, 2, 3].map(|k| SideFit {
         seen: seen[k],
         offset: offsets[k],
+        shadowed: sides[k].shadowed,
     });
     (turn, fits)
 }

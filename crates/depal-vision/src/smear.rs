@@ -47,45 +47,50 @@ pub fn smear_of(frame: &DepthFrame) -> usize {
 }
 
 /// The depths with every smeared step put back to where it is half way; `smear` pixels wide, `noise`
-/// metres of unevenness stay.
+/// metres of unevenness stay. Up and down the slope from each pixel lies the level on either side of its own
+/// step, whatever other steps there are. Half way is meant in 1/z, which is what matching of patches averages.
 pub fn sharpened(depth: &[f32], width: usize, smear: usize, noise: f32) -> Vec<f32> {
     let height = depth.len() / width.max(1);
-    // Far enough to see both sides from anywhere on the step.
-    let reach = (smear + 3).clamp(REACH, REACH + 4);
-    let (low, high) = (
-        extremes(depth, width, height, reach, |a, b| a < b),
-        extremes(depth, width, height, reach, |a, b| a > b),
-    );
     let mut out = depth.to_vec();
-    let stride = (reach / 3).max(1);
-    for v in 0..height {
-        for u in 0..width {
+    if width <= 2 * SLOPE || height <= 2 * SLOPE {
+        return out;
+    }
+    let walk = Walk {
+        depth,
+        width,
+        height,
+        farthest: (smear + smear / 2 + 4) as f32,
+        // What noise does to the difference of two pixels; more is a slope.
+        flat: 1.5 * noise,
+    };
+    for v in SLOPE..height - SLOPE {
+        for u in SLOPE..width - SLOPE {
             let i = v * width + u;
-            let (z, low, high) = (depth[i], low[i], high[i]);
-            if z == 0.0 || high - low < LEAST_STEP {
+            let z = depth[i];
+            if z == 0.0 {
                 continue;
             }
-            // Mean of what lies on either side, away from the step itself.
-            let (mut near, mut far) = ((0.0f32, 0.0f32), (0.0f32, 0.0f32));
-            for y in (v.saturating_sub(reach)..=(v + reach).min(height - 1)).step_by(stride) {
-                for x in (u.saturating_sub(reach)..=(u + reach).min(width - 1)).step_by(stride) {
-                    let here = depth[y * width + x];
-                    if here == 0.0 {
-                        continue;
-                    }
-                    if here < low + 2.0 * noise {
-                        near = (near.0 + here, near.1 + 1.0);
-                    } else if here > high - 2.0 * noise {
-                        far = (far.0 + here, far.1 + 1.0);
-                    }
-                }
-            }
-            if near.1 == 0.0 || far.1 == 0.0 {
+            let across = |a: usize, b: usize| {
+                let (a, b) = (depth[a], depth[b]);
+                if a > 0.0 && b > 0.0 { b - a } else { 0.0 }
+            };
+            let gx = across(i - SLOPE, i + SLOPE);
+            let gy = across(i - SLOPE * width, i + SLOPE * width);
+            let slope = gx.hypot(gy);
+            if slope < 2.0 * noise {
                 continue;
             }
-            let (near, far) = (near.0 / near.1, far.0 / far.1);
-            let side = if z < 0.5 * (near + far) { near } else { far };
-            if (z - side).abs() > 1.5 * noise {
+            let (du, dv) = (gx / slope, gy / slope);
+            let Some((near, far)) = walk
+                .level(u, v, -du, -dv)
+                .zip(walk.level(u, v, du, dv))
+                .filter(|(near, far)| far - near > LEAST_STEP)
+            else {
+                continue;
+            };
+            let half_way = 2.0 * near * far / (near + far);
+            let side = if z < half_way { near } else { far };
+            if (z - side).abs() > noise {
                 out[i] = side;
             }
         }
@@ -93,35 +98,46 @@ pub fn sharpened(depth: &[f32], width: usize, smear: usize, noise: f32) -> Vec<f
     out
 }
 
-/// The first in the order `before` of the valid depths within `reach` pixels; 0 where there is none.
-fn extremes(
-    depth: &[f32],
+/// Over so many pixels to both sides the slope is taken.
+const SLOPE: usize = 2;
+
+/// Looks for the level at the foot or the top of a slope.
+struct Walk<'a> {
+    depth: &'a [f32],
     width: usize,
     height: usize,
-    reach: usize,
-    before: impl Fn(f32, f32) -> bool,
-) -> Vec<f32> {
-    let pick = |best: f32, z: f32| {
-        if z > 0.0 && (best == 0.0 || before(z, best)) {
-            z
+    /// Pixels.
+    farthest: f32,
+    /// Metres.
+    flat: f32,
+}
+
+impl Walk<'_> {
+    fn at(&self, u: f32, v: f32) -> Option<f32> {
+        let (u, v) = (u + 0.5, v + 0.5);
+        let inside = u >= 0.0 && v >= 0.0 && u < self.width as f32 && v < self.height as f32;
+        let z = if inside {
+            self.depth[v as usize * self.width + u as usize]
         } else {
-            best
-        }
-    };
-    let mut along = vec![0.0f32; depth.len()];
-    for (row, out) in depth.chunks_exact(width).zip(along.chunks_exact_mut(width)) {
-        for (u, out) in out.iter_mut().enumerate() {
-            let window = &row[u.saturating_sub(reach)..(u + reach + 1).min(width)];
-            *out = window.iter().fold(0.0, |best, &z| pick(best, z));
-        }
+            0.0
+        };
+        (z > 0.0).then_some(z)
     }
-    let mut both = vec![0.0f32; depth.len()];
-    for v in 0..height {
-        for y in v.saturating_sub(reach)..(v + reach + 1).min(height) {
-            for u in 0..width {
-                both[v * width + u] = pick(both[v * width + u], along[y * width + u]);
+
+    /// Mean of the first four pixels in a row, in direction (du, dv), that lie level.
+    fn level(&self, u: usize, v: usize, du: f32, dv: f32) -> Option<f32> {
+        let at = |t: f32| self.at(u as f32 + du * t, v as f32 + dv * t);
+        let mut t = 0.0;
+        while t <= self.farthest {
+            if let (Some(a), Some(b), Some(c), Some(d)) =
+                (at(t), at(t + 1.0), at(t + 2.0), at(t + 3.0))
+                && (d - a).abs() < self.flat
+                && (c - a).abs() < self.flat
+            {
+                return Some(0.25 * (a + b + c + d));
             }
+            t += 1.0;
         }
+        None
     }
-    both
 }

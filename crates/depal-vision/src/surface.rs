@@ -9,7 +9,7 @@ use crate::{
     gate::DepthImage,
     measure::measure_whole,
     orientation::{main_direction, outline},
-    patch::{Blank, Class, Grid, Patch, pixel_pitch},
+    patch::{Blank, Class, Grid, Patch, SHARP_RIM, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
     search::{Candidate, extents, search, sides_with_edges},
     sides::{Fitting, ROUGHLY, fit_rectangle},
@@ -196,7 +196,7 @@ impl Surface {
             x: [bounds.x[0] - margin, bounds.x[1] + margin],
             y: [bounds.y[0] - margin, bounds.y[1] + margin],
             pitch,
-            rim: 3 + settings.smear_px.min(20) / 3,
+            rim: SHARP_RIM + settings.smear_px.min(20) / 3,
         };
         let blanks: Vec<Blank> = found.iter().map(|b| blank(b, &frame)).collect();
         Ok(Patch::new(image, &grid, &blanks, settings.plane_tolerance))

@@ -8,13 +8,22 @@ use crate::{
     gate::DepthImage,
     patch::{Class, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
-    sides::{FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, fit_rectangle},
+    sides::{
+        FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, SideFit, anchored, edge_inside,
+        fit_rectangle,
+    },
 };
 
 /// Least share of scan lines with an edge for a side to count as seen.
 pub const LEAST_SEEN: f64 = 0.15;
 /// Least share for a side to turn an arranged box.
 pub const TURN_SEEN: f64 = 0.5;
+
+/// So many seen sides must not be mere shadows of something taller: the floor of a cage ends in those.
+const LEAST_TRUE_EDGES: usize = 2;
+
+/// Share of a side's extent that a shadow may hide and still be slid under.
+const MOST_HIDDEN: f64 = 0.2;
 
 /// What is demanded of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,26 +101,71 @@ fn check(
             sides,
         },
     };
-    let fit = fit_rectangle(image, frame, extents, tolerance, &fitting);
-
-    let proven = fit.sides.iter().filter(|s| s.seen >= LEAST_SEEN).count();
-    let needed = if proof == Proof::Outline { 3 } else { 0 };
-    if proven < needed {
-        return Err(RejectReason::NoKnownSize);
+    let mut fit = fit_rectangle(image, frame, extents, tolerance, &fitting);
+    for axis in 0..2 {
+        let blind =
+            |fit: &RectangleFit| !(0..2).any(|k| fit.sides[2 * axis + k].is_true_edge(LEAST_SEEN));
+        if proof != Proof::Outline || !blind(&fit) {
+            continue;
+        }
+        let reach = extents[axis] * (1.0 - settings.min_visible).min(MOST_HIDDEN);
+        if let Some(frame) = anchored(image, &fit.frame, extents, tolerance, axis, reach) {
+            let again = fit_rectangle(image, frame, extents, tolerance, &fitting);
+            if !blind(&again) {
+                fit = again;
+            }
+        }
     }
+
+    let allowed = settings.size_tolerance + pitch;
+    let mut proven = 0;
+    let true_edges = fit
+        .sides
+        .iter()
+        .filter(|s| s.is_true_edge(LEAST_SEEN))
+        .count();
     let mut misfit = 0.0f64;
     let mut measured = extents;
     for (axis, measured) in measured.iter_mut().enumerate() {
         let (low, high) = (fit.sides[2 * axis], fit.sides[2 * axis + 1]);
+        // A shadow alone pins nothing.
+        let alone = |one: &SideFit, other: &SideFit| {
+            one.seen >= LEAST_SEEN && (!one.shadowed || other.seen >= LEAST_SEEN)
+        };
+        proven += usize::from(alone(&low, &high)) + usize::from(alone(&high, &low));
         if low.seen >= LEAST_SEEN && high.seen >= LEAST_SEEN {
             let error = low.offset + high.offset + 2.0 * INSET_PIXELS * pitch;
+            if low.shadowed != high.shadowed && error < 0.0 {
+                // A shadow hides the rest; the size and the other side say where it ends.
+                proven -= usize::from(-error > allowed);
+                continue;
+            }
             misfit = misfit.max(error.abs());
             *measured += error;
         }
     }
-    let allowed = settings.size_tolerance + pitch;
-    if misfit > allowed {
+    let (needed, needed_edges) = match proof {
+        Proof::Outline => (3, LEAST_TRUE_EDGES),
+        Proof::Arrangement { .. } => (0, 0),
+    };
+    if misfit > allowed || proven < needed || true_edges < needed_edges {
         return Err(RejectReason::NoKnownSize);
+    }
+
+    if proof == Proof::Outline {
+        // A side that is not seen must be hidden; a surface that ends before it is a smaller one.
+        for (k, side) in fit.sides.iter().enumerate() {
+            let (axis, sign) = (k / 2, if k % 2 == 0 { -1.0 } else { 1.0 });
+            if side.seen >= LEAST_SEEN {
+                continue;
+            }
+            let reach = extents[axis] * MOST_HIDDEN;
+            let at = (axis, sign);
+            let ends = edge_inside(image, &fit.frame, extents, tolerance, at, reach);
+            if ends.is_some_and(|beyond| beyond < -allowed) {
+                return Err(RejectReason::NoKnownSize);
+            }
+        }
     }
 
     // Where steps were smeared, the outermost pixels are guesses.

@@ -1,8 +1,7 @@
 //! Pictures of a cheap stereo camera: 640 x 480, steps of one millimetre, several millimetres of
 //! correlated noise, every depth step smeared over eleven to fifteen pixels, cartons packed tightly.
 //!
-//! What holds today: the tops of the upper layer are found and nothing wrong is said. The lower layer is
-//! mostly refused, because its smeared rim leaves no room for a whole covering.
+//! At least nine of ten fully visible tops of both layers are found, and none spans two cartons.
 
 use depal_camera::{CameraSpec, RenderShape, SensorSpec, render, sense};
 use depal_frames::{BoxSize, DepthFrame, Intrinsics, Pose, Rotation, Vector};
@@ -131,7 +130,7 @@ fn leaning(degrees: f64) -> Pose {
     Pose::from_parts(at.into(), turn * down.rotation)
 }
 
-/// Tops of the upper layer; false reports of both.
+/// All tops that lie bare, of both layers.
 fn score(
     cartons: &[Carton],
     size: [f64; 2],
@@ -139,7 +138,7 @@ fn score(
     with_intensity: bool,
     seeds: std::ops::Range<u64>,
 ) -> Score {
-    let (mut score, mut all) = (Score::default(), Score::default());
+    let mut score = Score::default();
     for seed in seeds {
         for reach in [5, 7] {
             let mut frame = picture(at, &shapes(cartons), reach, seed);
@@ -153,22 +152,16 @@ fn score(
                 "{}",
                 settings.smear_px
             );
-            let boxes = detect(&frame, &settings).boxes;
-            all.add(at, &visible(cartons), &boxes);
-            let upper: Vec<Carton> = cartons.iter().filter(|c| c.top == TOP).copied().collect();
-            let high: Vec<DetectedBox> = boxes
-                .into_iter()
-                .filter(|b| (at * b.camera_from_box).translation.z > TOP - 0.1)
-                .collect();
-            score.add(at, &upper, &high);
+            let boxes: Vec<DetectedBox> = detect(&frame, &settings).boxes;
+            score.add(at, &visible(cartons), &boxes);
         }
     }
-    score.false_positives = all.false_positives;
     score
 }
 
 fn most(name: &str, score: &Score, share: f64) {
     let line = score.line();
+    println!("{name}: {line}");
     assert_eq!(score.false_positives, 0, "{name}: {line}");
     assert!(
         score.found as f64 >= share * score.wanted as f64,
@@ -180,18 +173,52 @@ fn most(name: &str, score: &Score, share: f64) {
 fn tight_layers_that_one_arrangement_covers_need_no_intensity() {
     let size = [0.4, 0.3];
     let cartons = two_layers(size, 3, 3, 1);
-    let score = score(&cartons, size, &looking_down(TOP + 1.5), false, 0..4);
+    let score = score(&cartons, size, &looking_down(TOP + 1.5), false, 3000..3004);
     most("400 x 300", &score, 0.9);
 }
 
 #[test]
-fn where_depth_allows_several_arrangements_nothing_wrong_is_said() {
+fn small_cartons_with_and_without_intensity() {
     let size = [0.3, 0.2];
     let cartons = two_layers(size, 4, 4, 2);
     let at = looking_down(TOP + 1.5);
     for with_intensity in [true, false] {
-        let score = score(&cartons, size, &at, with_intensity, 10..13);
-        most("several arrangements", &score, 0.0);
+        let score = score(&cartons, size, &at, with_intensity, 3010..3013);
+        most("300 x 200", &score, 0.9);
+    }
+}
+
+/// Six cartons on a square, or bricks on a rectangle, that depth alone allows to be arranged in several ways.
+#[test]
+fn where_depth_allows_several_arrangements_nothing_wrong_is_said() {
+    let size = [0.3, 0.2];
+    let at = looking_down(TOP + 1.5);
+    for [columns, rows] in [[2, 3], [2, 6], [3, 3], [4, 3]] {
+        for with_intensity in [true, false] {
+            let cartons = two_layers(size, columns, rows, columns);
+            let score = score(&cartons, size, &at, with_intensity, 3030..3034);
+            most(&format!("{columns} x {rows}"), &score, 0.0);
+        }
+    }
+}
+
+#[test]
+fn a_wrong_size_is_never_reported() {
+    let cartons = two_layers([0.4, 0.3], 3, 3, 1);
+    let at = looking_down(TOP + 1.5);
+    for seed in 3040..3042 {
+        let frame = picture(&at, &shapes(&cartons), 6, seed);
+        // Not 300 x 200: six of those would cover just what three of the real ones do.
+        for wrong in [
+            [320.0, 220.0],
+            [600.0, 400.0],
+            [360.0, 300.0],
+            [440.0, 300.0],
+        ] {
+            let size = BoxSize::from_mm([wrong[0], wrong[1], HEIGHT * 1e3]);
+            let settings = VisionSettings::new(vec![size]).suited_to(&frame);
+            assert_eq!(detect(&frame, &settings).boxes, [], "{wrong:?}");
+        }
     }
 }
 
@@ -200,8 +227,8 @@ fn leaning_stacks() {
     let size = [0.4, 0.3];
     let cartons = two_layers(size, 3, 3, 1);
     for degrees in [10.0, -10.0] {
-        let score = score(&cartons, size, &leaning(degrees), true, 20..22);
-        most(&format!("lean {degrees}"), &score, 0.75);
+        let score = score(&cartons, size, &leaning(degrees), true, 3020..3022);
+        most(&format!("lean {degrees}"), &score, 0.9);
     }
 }
 
@@ -221,5 +248,5 @@ fn free_standing_tops_are_measured() {
         let settings = VisionSettings::new(Vec::new()).suited_to(&frame);
         score.add(&at, &cartons, &detect_any_size(&frame, &settings).boxes);
     }
-    most("measured", &score, 0.7);
+    most("measured", &score, 0.9);
 }

@@ -183,7 +183,7 @@ fn black_tape_along_a_carton_is_no_edge() {
 fn one_tilted_carton() {
     let mut scene = scene(&brick(), 0.004);
     let solid = scene.solids.last_mut().expect("a carton");
-    solid.tilt = 4f64.to_radians();
+    solid.tilt = 10f64.to_radians();
     solid.y += 0.02;
     let score = score(&scene, &[large()], 250);
     all("tilted", &score, 3.0);
