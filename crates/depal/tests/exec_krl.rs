@@ -130,7 +130,16 @@ END
     let route = format!("192.168.1.9:59152=127.0.0.1:{port}");
     let output = depal(
         &folder,
-        &["exec", "x.src", "--eki", "ch.xml", "--connect", &route],
+        &[
+            "exec",
+            "x.src",
+            "--eki",
+            "ch.xml",
+            "--connect",
+            &route,
+            "--max-sim-s",
+            "20",
+        ],
     );
     assert_eq!(
         peer.join().expect("served"),
