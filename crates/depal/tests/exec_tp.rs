@@ -1,5 +1,5 @@
 //! `depal exec` with TP listings as a user runs it, alone and against a served vision system.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::disallowed_methods)]
 
 mod robot_program;
 
