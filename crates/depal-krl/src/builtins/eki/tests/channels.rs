@@ -122,15 +122,15 @@ fn the_flag_rises_for_each_document() {
     let reset = "$FLAG[2]=FALSE";
     let read = |n: u32| format!("RET=EKI_GetInt(\"Plc\",\"Plc/Count\",COUNTS[{n}])");
     for first in [true, false] {
-        let mut body = String::new();
-        for n in 1..=3 {
+        let rounds = (1..=3).map(|n| {
             let (a, b) = if first {
                 (reset.to_owned(), read(n))
             } else {
                 (read(n), reset.to_owned())
             };
-            body += &format!("WAIT FOR $FLAG[2]\n{a}\n{b}\n");
-        }
+            format!("WAIT FOR $FLAG[2]\n{a}\n{b}")
+        });
+        let body = rounds.collect::<Vec<_>>().join("\n");
         assert_eq!(run(&body), [1, 2, 3], "reset first: {first}");
     }
     // An interrupt sees each edge, too; the first rise was before it.
