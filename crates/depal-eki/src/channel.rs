@@ -235,6 +235,12 @@ impl Channel {
         Ok(())
     }
 
+    /// Whether a value of the record of this number (that of [`Event::Arrived`]) has not been read yet.
+    pub fn has_unread(&self, counter: u64) -> bool {
+        let mut memories = self.memories.iter().flatten();
+        memories.any(|memory| memory.holds(counter))
+    }
+
     /// What has happened since the last call, in order.
     pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.events)

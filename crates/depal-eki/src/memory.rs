@@ -47,6 +47,11 @@ impl ElementMemory {
         self.entries.clear();
     }
 
+    /// Whether a value of this record is still here.
+    pub(crate) fn holds(&self, counter: u64) -> bool {
+        self.entries.iter().any(|entry| entry.counter == counter)
+    }
+
     /// Whether so many more fit.
     pub(crate) fn has_room(&self, more: usize) -> Result<(), EkiError> {
         if self.entries.len() + more <= self.limit {

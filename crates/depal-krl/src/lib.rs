@@ -32,6 +32,8 @@
 //!
 //! Ethernet KRL: [`Loaded::with_channels`] gives a program its channels. What arrives is taken in whenever a flag is
 //! read or a channel is called, so that waits and interrupts on `$FLAG` see it; an output of `Set_Out` follows then.
+//! The flag of `Set_Flag` rises for each record: one that came while the flag was on, and is still unread 12 ms after
+//! the program has reset the flag, raises it again.
 //! A channel lasts as long as its task, whatever ENVIRONMENT says. A call that fails tells it in `MSG_NO` and in the
 //! event log, and the program goes on; `EKI_CHECK(ret, #QUIT)` stops it.
 //!
@@ -41,7 +43,8 @@
 //!
 //! A `.sub` file is loaded like the others; its first routine is an entry of its own, which never waits for the
 //! arm. A program made from the same files has the same slots for global data; the first [`OWN_GLOBALS`] of them
-//! belong to each task alone.
+//! belong to each task alone, all others (data lists, system variables, `$FLAG`, `$TIMER`) are
+//! [`shared`](depal_vm::Program::shared) as soon as there is a `.sub` file.
 //!
 //! Limitations: AND and OR compute both sides; C_PTP takes its share of half the way as a distance; of status and
 //! turn only the sign of A5 and the turns of A4 to A6 choose a solution; external axes, spline blocks, cyclic

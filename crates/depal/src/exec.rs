@@ -27,8 +27,8 @@ const NOMINAL_ACCELERATION: f64 = 10.0;
 #[derive(Args)]
 pub struct ExecArgs {
     /// RAPID modules of one task (.mod, .sys, .prg, .modx, .sysx), in any order, a list of them (.pgf), configuration
-    /// files (.cfg), or a folder with all of these, as a controller backup is; or KRL files (.src, .dat); or TP
-    /// listings (.ls).
+    /// files (.cfg), or a folder with all of these, as a controller backup is; or KRL files (.src, .dat, and .sub,
+    /// each a task beside the robot's); or TP listings (.ls).
     #[arg(required = true, value_name = "PROGRAM")]
     pub(crate) programs: Vec<PathBuf>,
     /// I/O configuration of the controller: its signals and cross connections.

@@ -7,7 +7,7 @@ use depal_controller::{EioConfiguration, SignalFamily, SignalKind, SignalSpec, T
 use depal_rapid::SignalDefinition;
 use depal_scene::Language;
 use depal_vm::execution::RobotTask;
-use depal_vm::{Diagnostic, Machine, Program, SourceFile};
+use depal_vm::{Diagnostic, Machine, Program, Severity, SourceFile};
 
 use crate::diagnostics::draw;
 use crate::exec::ExecArgs;
@@ -175,17 +175,46 @@ fn krl(args: &ExecArgs) -> Result<Tasks, Failure> {
         let first = programs.iter().find(is_code).or(programs.first());
         first.map_or_else(|| "main".to_owned(), |source| stem(&source.name))
     });
-    let (loaded, _) = depal_krl::load_with_auto_signals(programs, &[], &entry);
-    let loaded = loaded.with_channels(programs.len(), channels);
-    let program = good(loaded.program, &loaded.diagnostics, &sources)?;
-    let machine = Machine::new(program, "ROBOT").single_cycle();
+    let load = |entry: &str| {
+        let (loaded, _) = depal_krl::load_with_auto_signals(programs, &[], entry);
+        loaded.with_channels(programs.len(), channels)
+    };
+    let robot = load(&entry);
+    let mut tasks = vec![krl_task(robot, TaskRole::motion("ROBOT"), &sources)?];
+    // Every .sub file runs beside the robot, unless it is itself what is started.
+    let submits = programs.iter().filter(|source| is_submit(source));
+    let submits = submits.map(|source| stem(&source.name));
+    for name in submits.filter(|name| !name.eq_ignore_ascii_case(&entry)) {
+        let role = TaskRole::background(&format!("SUBMIT {}", name.to_uppercase()));
+        tasks.push(krl_task(load(&name), role, &sources)?);
+    }
     Ok(Tasks {
-        tasks: vec![(TaskRole::motion("ROBOT"), Box::new(machine))],
+        tasks,
         io,
         families: Language::Krl.signal_families(),
         home: Vec::new(),
         registers: None,
     })
+}
+
+fn is_submit(source: &SourceFile) -> bool {
+    source.name.to_ascii_lowercase().ends_with(".sub")
+}
+
+/// A task of a program, after all messages about it were told. Those of a task in the background were told with
+/// the robot's, but for what is wrong with its entry.
+fn krl_task(
+    mut loaded: depal_krl::Loaded,
+    role: TaskRole,
+    sources: &[SourceFile],
+) -> Result<(TaskRole, Box<dyn RobotTask>), Failure> {
+    if role.is_background {
+        let is_error = |diagnostic: &Diagnostic| diagnostic.severity == Severity::Error;
+        loaded.diagnostics.retain(is_error);
+    }
+    let program = good(loaded.program, &loaded.diagnostics, sources)?;
+    let machine = Machine::new(program, &role.name).single_cycle();
+    Ok((role, Box::new(machine)))
 }
 
 fn tp(args: &ExecArgs) -> Result<Tasks, Failure> {

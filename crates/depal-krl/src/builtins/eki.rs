@@ -142,9 +142,7 @@ fn with_links<T>(
         unreachable!("the hidden variables keep their kinds");
     };
     let result = call(links, system);
-    let notices = links.take_notices();
-    context.memory.globals[CHANNELS] = Value::Host(state);
-    for notice in notices {
+    for notice in links.take_notices() {
         match notice {
             Notice::Signal(target, value) => match target.kind {
                 SignalKind::Flag => set_flag(context, target.number as usize, value),
@@ -154,9 +152,14 @@ fn with_links<T>(
                     let _ = system.set_signal(&name, f64::from(u8::from(value)));
                 }
             },
+            Notice::Arrival(flag, record) if is_on(context, flag as usize) => {
+                links.note_late(flag, record);
+            }
+            Notice::Arrival(flag, _) => set_flag(context, flag as usize, true),
             Notice::Message(text) => system.log(LogKind::EventLog, context.location, &text),
         }
     }
+    context.memory.globals[CHANNELS] = Value::Host(state);
     result
 }
 
@@ -166,6 +169,13 @@ fn set_flag(context: &mut CallContext<'_>, number: usize, value: bool) {
     {
         *flag = Value::Bool(value);
     }
+}
+
+fn is_on(context: &CallContext<'_>, number: usize) -> bool {
+    let Value::Array(flags) = &context.memory.globals[FLAGS] else {
+        return false;
+    };
+    number.checked_sub(1).and_then(|i| flags.get(i)) == Some(&Value::Bool(true))
 }
 
 fn flag_number(context: &CallContext<'_>) -> Result<usize, depal_vm::RaisedError> {
@@ -183,11 +193,7 @@ fn flag_number(context: &CallContext<'_>) -> Result<usize, depal_vm::RaisedError
 fn read_flag(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let number = flag_number(context)?;
     with_links(context, system, Links::pump);
-    let value = match &context.memory.globals[FLAGS] {
-        Value::Array(flags) => flags.get(number - 1).cloned(),
-        _ => None,
-    };
-    Ok(Outcome::Done(value.unwrap_or(Value::Bool(false))))
+    Ok(Outcome::Done(Value::Bool(is_on(context, number))))
 }
 
 fn write_flag(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
@@ -196,6 +202,11 @@ fn write_flag(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     // What has arrived before is older than this value.
     with_links(context, system, Links::pump);
     set_flag(context, number, value);
+    if !value {
+        with_links(context, system, |links, system| {
+            links.flag_was_reset(number as u32, system);
+        });
+    }
     Ok(Outcome::Done(Value::Absent))
 }
 

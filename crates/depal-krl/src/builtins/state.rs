@@ -8,30 +8,32 @@ use super::table::slot_of;
 
 const MOVES: usize = 0;
 const EVENTS: usize = 1;
-pub(super) const TIMERS: usize = 2;
-const PATH: usize = 3;
-pub(super) const FLAGS: usize = 4;
-pub(crate) const CHANNELS: usize = 5;
-const SUBMIT: usize = 6;
+const PATH: usize = 2;
+pub(crate) const CHANNELS: usize = 3;
+const SUBMIT: usize = 4;
+pub(super) const TIMERS: usize = 5;
+pub(super) const FLAGS: usize = 6;
 
 /// Number of `$TIMER`.
 const TIMER_COUNT: usize = 64;
 
 /// How many global slots at the front belong to each task alone, whatever tasks share.
-pub const OWN_GLOBALS: usize = 7;
+pub const OWN_GLOBALS: usize = 5;
+
+const HIDDEN_GLOBALS: usize = 7;
 
 /// Variables before all others.
-pub(crate) fn hidden_globals() -> [(&'static str, Value); OWN_GLOBALS] {
+pub(crate) fn hidden_globals() -> [(&'static str, Value); HIDDEN_GLOBALS] {
     // Milliseconds while it stands, and since when it runs (nanoseconds, -1 while it stands).
     let timer = Value::Record(vec![Value::Int(0), Value::Int(-1)]);
     [
         ("moves under way", Value::Array(Vec::new())),
         ("outputs along the next move", Value::Array(Vec::new())),
-        ("timers", Value::Array(vec![timer; TIMER_COUNT])),
         ("path", Value::Int(0)),
-        ("flags", Value::Array(vec![Value::Bool(false); FLAG_COUNT])),
         ("channels", channels(Links::default())),
         ("runs beside the robot", Value::Bool(false)),
+        ("timers", Value::Array(vec![timer; TIMER_COUNT])),
+        ("flags", Value::Array(vec![Value::Bool(false); FLAG_COUNT])),
     ]
 }
 

@@ -1,11 +1,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use depal_vm::{Diagnostic, LanguageRules, Op, Program, SourceFile, Span};
+use depal_vm::{Diagnostic, LanguageRules, Op, Program, SharedDatum, SourceFile, Span};
 
 use super::scope::*;
 use super::system::LIVE;
 use super::types::Types;
-use crate::builtins::Table;
+use crate::builtins::{OWN_GLOBALS, Table};
 use crate::syntax::tree::{File, FileKind};
 
 /// A module: the routines and the data of one name.
@@ -15,6 +15,15 @@ pub(crate) struct Unit {
     pub(crate) name: String,
     /// Files, by their index.
     pub(crate) files: Vec<(u32, File)>,
+}
+
+impl Unit {
+    /// Whether a file of it is one of the submit interpreter.
+    fn has_submit(&self) -> bool {
+        self.files
+            .iter()
+            .any(|(_, file)| file.kind == FileKind::Submit)
+    }
 }
 
 /// Signals of the cabinet: names in lower case, or any.
@@ -87,6 +96,9 @@ pub(crate) fn compile(
     compiler.type_declarations(units);
     compiler.builtins();
     compiler.data(units);
+    if units.iter().any(Unit::has_submit) {
+        compiler.share();
+    }
     let routines = compiler.headings(units);
     for (module, routine, index) in &routines {
         compiler.module = *module;
@@ -117,6 +129,19 @@ impl Compiler<'_> {
             let key = heading.name.to_lowercase();
             self.predefined.insert(key, symbol);
         }
+    }
+
+    /// The submit interpreter and the robot interpreter work on the same data. Programs of the same files have the
+    /// same slots, so that the slot is the name.
+    fn share(&mut self) {
+        let names = self.program.global_names.iter().enumerate();
+        let shared = names.skip(OWN_GLOBALS).map(|(slot, name)| SharedDatum {
+            name: format!("{name}, datum {slot}"),
+            kind: String::new(),
+            global: slot as u32,
+            has_value: true,
+        });
+        self.program.shared = shared.collect();
     }
 
     /// The routine that runs: as `entry`, but it waits for the arm at its end.

@@ -118,3 +118,27 @@ fn another_program_can_be_the_entry() {
     let missing = load(&files, &[], "c");
     assert!(missing.diagnostics[0].message.contains("no program c"));
 }
+
+/// Programs of the same files share their data as soon as one of them is for the submit interpreter.
+#[test]
+fn a_submit_program_shares_the_data_of_the_robot_program() {
+    let data = (
+        "main.dat",
+        "DEFDAT main PUBLIC\nDECL GLOBAL INT level=3\nENDDAT",
+    );
+    let main = ("main.src", "DEF main( )\nlevel = 4\nEND");
+    let submit = ("watch.sub", "DEF watch( )\nlevel = 5\nEND");
+    let shared = |files: &[(&str, &str)], entry: &str| {
+        let loaded = load(&sources(files), &[], entry);
+        loaded.program.expect("no errors").shared.clone()
+    };
+    assert!(shared(&[main, data], "main").is_empty());
+    let files = [main, data, submit];
+    let (robot, watch) = (shared(&files, "main"), shared(&files, "watch"));
+    assert_eq!(robot, watch);
+    let named = |name: &str| robot.iter().any(|datum| datum.name.starts_with(name));
+    assert!(named("level,") && named("flags,") && named("timers,"));
+    assert!(!named("moves under way,") && !named("channels,"));
+    let slots = robot.iter().map(|datum| datum.global as usize);
+    assert_eq!(slots.min(), Some(depal_krl::OWN_GLOBALS));
+}

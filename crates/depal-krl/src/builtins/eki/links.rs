@@ -1,10 +1,10 @@
 //! The channels of a program and their sockets. Plain data: a socket is a number of the cabinet.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::task::Poll;
 
-use depal_eki::{Channel, ChannelConfig, EkiError, Event, Peer, SignalTarget, Status};
+use depal_eki::{Channel, ChannelConfig, EkiError, Event, Peer, SignalKind, SignalTarget, Status};
 use depal_time::{SimDuration, SimTime};
 use depal_vm::system::{Fault, Received, SocketId, System};
 
@@ -13,11 +13,26 @@ const PIECE: usize = 4096;
 /// Most pieces that are taken from one socket before others have their turn.
 const PIECES: usize = 64;
 
+/// A flag that is reset while an older record still waits to be read rises again after so long, one interpolation
+/// cycle of the controller: whoever watches the flag sees each of its edges.
+const RISES_AGAIN: SimDuration = SimDuration::from_millis(12);
+/// Most records that one flag remembers.
+const MOST_LATE: usize = 512;
+
+/// A record that arrived: its channel, and its number there; none if it has no values that could be read.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Record {
+    channel: String,
+    counter: Option<u64>,
+}
+
 /// What the program's flags, outputs and messages must hear.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Notice {
     /// A flag or output gets a value.
     Signal(SignalTarget, bool),
+    /// A record arrived that this flag tells of.
+    Arrival(u32, Record),
     /// A line for the operator.
     Message(String),
 }
@@ -36,6 +51,10 @@ pub(crate) struct Links {
     files: BTreeMap<String, Arc<ChannelConfig>>,
     open: BTreeMap<String, Link>,
     notices: Vec<Notice>,
+    /// Records that came while their flag was on, by the number of the flag.
+    late: BTreeMap<u32, VecDeque<Record>>,
+    /// Flags that were reset and rise again, and when.
+    due: BTreeMap<u32, SimTime>,
 }
 
 impl Links {
@@ -49,6 +68,48 @@ impl Links {
     /// What has happened since the last call, in order.
     pub(super) fn take_notices(&mut self) -> Vec<Notice> {
         std::mem::take(&mut self.notices)
+    }
+
+    /// A record came while its flag was on: the flag rises again for it when it has been reset.
+    pub(super) fn note_late(&mut self, flag: u32, record: Record) {
+        let late = self.late.entry(flag).or_default();
+        if late.len() < MOST_LATE {
+            late.push_back(record);
+        }
+    }
+
+    /// The program has reset a flag.
+    pub(super) fn flag_was_reset(&mut self, flag: u32, system: &dyn System) {
+        if self.late.contains_key(&flag) {
+            self.due.insert(flag, system.now() + RISES_AGAIN);
+        }
+    }
+
+    /// Raises flags again for records that nobody has read meanwhile.
+    fn raise_again(&mut self, system: &dyn System) {
+        if self.due.is_empty() {
+            return;
+        }
+        let now = system.now();
+        let due = self.due.iter().filter(|(_, at)| **at <= now);
+        for flag in due.map(|(flag, _)| *flag).collect::<Vec<_>>() {
+            self.due.remove(&flag);
+            let mut late = self.late.remove(&flag).unwrap_or_default();
+            while let Some(record) = late.pop_front() {
+                if self.is_unread(&record) {
+                    self.notices.push(Notice::Arrival(flag, record));
+                    break;
+                }
+            }
+            if !late.is_empty() {
+                self.late.insert(flag, late);
+            }
+        }
+    }
+
+    fn is_unread(&self, record: &Record) -> bool {
+        let link = self.open.get(&record.channel);
+        link.is_some_and(|link| record.counter.is_none_or(|n| link.channel.has_unread(n)))
     }
 
     /// `EKI_Init`.
@@ -133,6 +194,9 @@ impl Links {
     pub(super) fn clear(&mut self, name: &str, system: &mut dyn System) -> Status {
         let status = self.close(name, system);
         self.open.remove(name);
+        for late in self.late.values_mut() {
+            late.retain(|record| record.channel != name);
+        }
         status
     }
 
@@ -157,6 +221,7 @@ impl Links {
 
     /// Takes what has arrived on all channels, and who has come.
     pub(super) fn pump(&mut self, system: &mut dyn System) {
+        self.raise_again(system);
         let names: Vec<String> = self.open.keys().cloned().collect();
         for name in names {
             if let Some(link) = self.open.get_mut(&name) {
@@ -173,12 +238,29 @@ impl Links {
         let Some(link) = self.open.get_mut(name) else {
             return;
         };
+        let alive = link.channel.config().alive.signals.clone();
+        // Signals of a record stand before it.
+        let mut flags = Vec::new();
         for event in link.channel.take_events() {
             match event {
+                Event::Signal {
+                    target,
+                    value: true,
+                } if target.kind == SignalKind::Flag && !alive.contains(&target) => {
+                    flags.push(target.number);
+                }
                 Event::Signal { target, value } => {
                     self.notices.push(Notice::Signal(target, value));
                 }
-                Event::Arrived { .. } => {}
+                Event::Arrived { counter } => {
+                    let record = Record {
+                        channel: name.to_owned(),
+                        counter: link.channel.has_unread(counter).then_some(counter),
+                    };
+                    let flags = flags.drain(..);
+                    self.notices
+                        .extend(flags.map(|flag| Notice::Arrival(flag, record.clone())));
+                }
                 Event::Refused(error) => self.notices.push(message(name, &error)),
             }
         }

@@ -103,6 +103,48 @@ fn documents_come_and_go() {
     assert_eq!(cabinet.signals["$OUT[5]"], 0.0);
 }
 
+/// Three documents in one piece: the flag rises for each that is still to be read, and for no other.
+#[test]
+fn the_flag_rises_for_each_document() {
+    let three =
+        b"<Plc><Count>1</Count></Plc><Plc><Count>2</Count></Plc><Plc><Count>3</Count></Plc>";
+    let run = |body: &str| {
+        let source = format!(
+            "RET=EKI_Init(\"Plc\")\nRET=EKI_Open(\"Plc\")\nCOUNT=0\nCOUNTS[1]=0\nCOUNTS[2]=0\nCOUNTS[3]=0\n{body}"
+        );
+        let mut machine = program(&source);
+        let mut cabinet = Cabinet::new();
+        let inbox = cabinet.inbox.entry(SocketId(1)).or_default();
+        inbox.extend(three);
+        finished(&mut machine, &mut cabinet);
+        ints(&machine, "COUNTS", 3)
+    };
+    let reset = "$FLAG[2]=FALSE";
+    let read = |n: u32| format!("RET=EKI_GetInt(\"Plc\",\"Plc/Count\",COUNTS[{n}])");
+    for first in [true, false] {
+        let rounds = (1..=3).map(|n| {
+            let (a, b) = if first {
+                (reset.to_owned(), read(n))
+            } else {
+                (read(n), reset.to_owned())
+            };
+            format!("WAIT FOR $FLAG[2]\n{a}\n{b}")
+        });
+        let body = rounds.collect::<Vec<_>>().join("\n");
+        assert_eq!(run(&body), [1, 2, 3], "reset first: {first}");
+    }
+    // An interrupt sees each edge, too; the first rise was before it.
+    let interrupt = format!(
+        "INTERRUPT DECL 4 WHEN $FLAG[2]==TRUE DO take( )\nINTERRUPT ON 4\n{reset}\nWAIT SEC 0.5\nEND\nDEF take( )\n{reset}\nCOUNT=COUNT+1\nRET=EKI_GetInt(\"Plc\",\"Plc/Count\",COUNTS[COUNT])"
+    );
+    assert_eq!(run(&interrupt), [1, 2, 0]);
+    // All read at once: nothing is left to tell of.
+    let at_once = format!(
+        "WAIT FOR $FLAG[2]\nRET=EKI_GetIntArray(\"Plc\",\"Plc/Count\",COUNTS[])\n{reset}\nWAIT SEC 0.5\nIF $FLAG[2] THEN\nCOUNTS[1]=99\nENDIF"
+    );
+    assert_eq!(run(&at_once), [1, 2, 3]);
+}
+
 #[test]
 fn the_robot_can_be_the_server() {
     let mut machine = program(
