@@ -8,6 +8,9 @@ use crate::{Encoding, Request};
 pub const LINE_SILENCE: SimDuration = SimDuration::from_millis(50);
 /// A HEX request that is shorter than expected is complete after this silence.
 pub const HEX_SILENCE: SimDuration = SimDuration::from_millis(20);
+/// Bytes that are too few for any HEX request are thrown away after this silence: some robots send a request in
+/// many small writes, and a busy computer puts pauses between them.
+pub const SCRAP_SILENCE: SimDuration = SimDuration::from_millis(100);
 /// Longest ASCII command, bytes; a longer one is an attack or another protocol.
 pub const MAX_LINE: usize = 4096;
 
@@ -130,7 +133,11 @@ impl Framer {
 
     fn silence(&self) -> SimDuration {
         if self.encoding.is_some_and(Encoding::is_hex) {
-            HEX_SILENCE
+            if self.buffer.len() < SHORTEST_HEX {
+                SCRAP_SILENCE
+            } else {
+                HEX_SILENCE
+            }
         } else {
             LINE_SILENCE
         }

@@ -68,7 +68,7 @@ pub use command::c901_get_state::{GetState, StateFields};
 pub use command::point_list::{PointList, PointRecord};
 pub use encoding::Encoding;
 pub use error::{ReplyError, RequestError};
-pub use framer::{Frame, Framer, HEX_SILENCE, LINE_SILENCE, MAX_LINE};
+pub use framer::{Frame, Framer, HEX_SILENCE, LINE_SILENCE, MAX_LINE, SCRAP_SILENCE};
 pub use profile::{AsciiTerminator, HexPlanCells, HexReplyLength, PointCell8, Profile, StateReply};
 pub use reply::Reply;
 pub use request::Request;
