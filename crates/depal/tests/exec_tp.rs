@@ -28,9 +28,10 @@ const CODES: [(u32, u32); 16] = [
 
 fn listing(name: &str, lines: &[&str]) -> String {
     let numbered = lines.iter().enumerate();
-    let body: String = numbered
+    let lines: Vec<String> = numbered
         .map(|(index, line)| format!("{:4}:  {line} ;\n", index + 1))
         .collect();
+    let body = lines.concat();
     format!("/PROG  {name}\n/MN\n{body}/POS\n/END\n")
 }
 
