@@ -18,7 +18,8 @@ use crate::signals::SignalTable;
 use crate::sockets::Sockets;
 use crate::task::TaskRecord;
 use crate::{
-    ControllerError, ControllerEvent, ControllerState, CrossConnection, SignalFamily, SignalSpec,
+    ConfigurationData, ControllerError, ControllerEvent, ControllerState, CrossConnection,
+    SignalFamily, SignalSpec,
 };
 
 /// What a cabinet is built from.
@@ -45,6 +46,8 @@ pub struct ControllerSpec {
     pub answers: VecDeque<String>,
     /// Files of the program's folder by their path in it.
     pub files: BTreeMap<String, Vec<u8>>,
+    /// What its configuration files say.
+    pub configuration: ConfigurationData,
 }
 
 impl ControllerSpec {
@@ -61,6 +64,7 @@ impl ControllerSpec {
             connections: Vec::new(),
             answers: VecDeque::new(),
             files: BTreeMap::new(),
+            configuration: ConfigurationData::default(),
         }
     }
 
@@ -74,6 +78,7 @@ impl ControllerSpec {
             connections: Vec::new(),
             answers: VecDeque::new(),
             files: BTreeMap::new(),
+            configuration: ConfigurationData::default(),
         }
     }
 }
@@ -93,6 +98,8 @@ pub struct FreeSpec {
     pub answers: VecDeque<String>,
     /// Files of the program's folder by their path in it.
     pub files: BTreeMap<String, Vec<u8>>,
+    /// What its configuration files say.
+    pub configuration: ConfigurationData,
 }
 
 /// The whole state of a controller but for its tasks. A clone can be run on with
@@ -108,6 +115,7 @@ pub struct Cabinet {
     pub(crate) later: Vec<(SimTime, String, f64)>,
     pub(crate) answers: VecDeque<String>,
     pub(crate) files: BTreeMap<String, Vec<u8>>,
+    pub(crate) configuration: ConfigurationData,
     /// Whether a task looked at the clock or polled a socket since this was last cleared.
     pub(crate) looked: Cell<bool>,
     /// What the tasks do together.
@@ -152,6 +160,7 @@ impl Cabinet {
             connections: spec.connections,
             answers: spec.answers,
             files: spec.files,
+            configuration: spec.configuration,
         };
         Self::assemble(parts, motion, spec.statement_cost)
     }
@@ -177,6 +186,7 @@ impl Cabinet {
             later: Vec::new(),
             answers: spec.answers,
             files: spec.files,
+            configuration: spec.configuration,
             looked: Cell::new(false),
             name: spec.name,
             statement_cost,

@@ -35,6 +35,7 @@
 
 mod cabinet;
 mod configuration;
+mod configuration_data;
 mod controller;
 mod eio;
 mod error;
@@ -57,6 +58,7 @@ mod transcript;
 
 pub use cabinet::{Cabinet, ControllerSpec, FreeSpec};
 pub use configuration::{ConfigurationError, configuration_domain};
+pub use configuration_data::ConfigurationData;
 pub use controller::Controller;
 pub use eio::EioConfiguration;
 pub use error::ControllerError;

@@ -303,6 +303,11 @@ impl System for CabinetSystem<'_> {
         self.cabinet.files.keys().cloned().collect()
     }
 
+    fn configuration(&self, instance: [&str; 3], attribute: &str) -> Option<String> {
+        let value = self.cabinet.configuration.value(instance, attribute);
+        value.map(str::to_owned)
+    }
+
     fn task_number(&self) -> usize {
         self.cabinet.current + 1
     }

@@ -61,6 +61,8 @@ pub(crate) const ERRORS: &[(&str, i64)] = &[
     ("ERR_SYNCMOVEOFF", 1703),
     ("ERR_SYM_ACCESS", 1014),
     ("ERR_SYMBOL_TYPE", 1015),
+    ("ERR_CFG_NOTFND", 1016),
+    ("ERR_CFG_ILLTYPE", 1017),
     ("LONG_JMP_ALL_ERR", 1999),
 ];
 

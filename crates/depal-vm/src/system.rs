@@ -427,6 +427,12 @@ pub trait System {
         Vec::new()
     }
 
+    /// An attribute of the controller's configuration: domain, type and name of the instance, and its name there.
+    fn configuration(&self, instance: [&str; 3], attribute: &str) -> Option<String> {
+        let _ = (instance, attribute);
+        None
+    }
+
     /// Number of the task among those of its cabinet, from 1.
     fn task_number(&self) -> usize {
         1

@@ -172,6 +172,7 @@ fn prepare(args: &ExecArgs, language: Language) -> Result<Prepared, Failure> {
         mut io,
         families,
         home,
+        configuration,
         registers,
     } = load(args, language)?;
     let mut changes = args.set_di.clone();
@@ -218,6 +219,7 @@ fn prepare(args: &ExecArgs, language: Language) -> Result<Prepared, Failure> {
             spec.connections = io.connections;
             spec.answers = answers;
             spec.files = sandbox.files().clone();
+            spec.configuration = configuration;
             Controller::without_arm(spec).map_err(invalid)?
         }
         Some(path) => {
@@ -236,6 +238,7 @@ fn prepare(args: &ExecArgs, language: Language) -> Result<Prepared, Failure> {
             spec.connections = io.connections;
             spec.answers = answers;
             spec.files = sandbox.files().clone();
+            spec.configuration = configuration;
             Controller::new(spec).map_err(invalid)?
         }
     };

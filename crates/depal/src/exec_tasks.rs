@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use depal_controller::{EioConfiguration, SignalFamily, SignalKind, SignalSpec, TaskRole};
+use depal_controller::{
+    ConfigurationData, EioConfiguration, SignalFamily, SignalKind, SignalSpec, TaskRole,
+};
 use depal_rapid::SignalDefinition;
 use depal_scene::Language;
 use depal_vm::execution::RobotTask;
@@ -28,6 +30,8 @@ pub struct Tasks {
     pub families: Vec<SignalFamily>,
     /// Files of the program's folder, with their path in it.
     pub home: Vec<(String, PathBuf)>,
+    /// What the controller's configuration files say.
+    pub configuration: ConfigurationData,
     /// The registers of a TP program, if they are to be shown.
     pub registers: Option<depal_tp::RegisterView>,
 }
@@ -102,7 +106,12 @@ fn rapid(args: &ExecArgs) -> Result<Tasks, Failure> {
         )));
     }
     files.configurations.extend(args.io.clone());
-    let ControllerFiles { mut io, system, .. } = ControllerFiles::read(&files.configurations)?;
+    let ControllerFiles {
+        mut io,
+        system,
+        data,
+        ..
+    } = ControllerFiles::read(&files.configurations)?;
     let mut plans = plan(&files, &system, args.task)?;
     if let (Some(entry), Some(first)) = (&args.entry, plans.first_mut()) {
         first.entry.clone_from(entry);
@@ -135,6 +144,7 @@ fn rapid(args: &ExecArgs) -> Result<Tasks, Failure> {
         io,
         families: Vec::new(),
         home: files.home,
+        configuration: data,
         registers: None,
     })
 }
@@ -193,6 +203,7 @@ fn krl(args: &ExecArgs) -> Result<Tasks, Failure> {
         io,
         families: Language::Krl.signal_families(),
         home: Vec::new(),
+        configuration: ConfigurationData::default(),
         registers: None,
     })
 }
@@ -241,6 +252,7 @@ fn tp(args: &ExecArgs) -> Result<Tasks, Failure> {
         io,
         families: Language::Tp.signal_families(),
         home: Vec::new(),
+        configuration: ConfigurationData::default(),
         registers,
     })
 }

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use depal_controller::{
-    ConfigurationError, EioConfiguration, SioConfiguration, SysConfiguration, configuration_domain,
+    ConfigurationData, ConfigurationError, EioConfiguration, SioConfiguration, SysConfiguration,
+    configuration_domain,
 };
 use depal_vm::SourceFile;
 
@@ -52,6 +53,8 @@ pub struct ControllerFiles {
     pub has_io: bool,
     /// Tasks and event routines.
     pub system: SysConfiguration,
+    /// Every attribute of all files, for programs that ask.
+    pub data: ConfigurationData,
 }
 
 pub fn extension(path: &Path) -> String {
@@ -282,6 +285,7 @@ pub fn read_configuration(
             .find(|name| named(path, &format!("{name}.cfg")));
         name.unwrap_or("EIO").to_owned()
     });
+    into.data.read(&domain, text)?;
     match domain.as_str() {
         "EIO" => {
             let read = EioConfiguration::parse(text)?;

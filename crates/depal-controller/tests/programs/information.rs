@@ -1,3 +1,5 @@
+use depal_controller::ConfigurationData;
+
 use crate::harness::*;
 
 /// The calendar is that of the simulation: the same on every day.
@@ -60,4 +62,50 @@ fn bits_and_semaphores() {
         &[],
     );
     assert!(told.waits_for_ever);
+}
+
+#[test]
+fn configuration_is_read_by_its_path() {
+    let mut configuration = ConfigurationData::default();
+    configuration
+        .read(
+            "MOC",
+            "MOC:CFG_1.0::\n#\nMOTOR_CALIB:\n -name \"rob1_1\" -cal_offset 2.5 -valid_cal_offset\n",
+        )
+        .expect("a good file");
+    let ask = |path: &str, attribute: &str, variable: &str| {
+        run_in(
+            &format!(
+                "ReadCfgData \"{path}\", \"{attribute}\", {variable};\nTPWrite ValToStr({variable});"
+            ),
+            "VAR num n;\nVAR bool b;\nVAR string s;",
+            &[],
+            |spec| spec.configuration = configuration.clone(),
+        )
+    };
+    let path = "/moc/MOTOR_CALIB/Rob1_1";
+    assert_eq!(ask(path, "cal_offset", "n").finished().lines, ["2.5"]);
+    assert_eq!(ask(path, "cal_offset", "s").finished().lines, ["\"2.5\""]);
+    assert_eq!(
+        ask(path, "valid_cal_offset", "b").finished().lines,
+        ["TRUE"]
+    );
+    for (path, attribute, variable, expected) in [
+        (path, "cal_offset", "b", "ERR_CFG_ILLTYPE"),
+        (path, "other", "n", "ERR_CFG_NOTFND"),
+        (
+            "/MOC/MOTOR_CALIB/rob1_2",
+            "cal_offset",
+            "n",
+            "ERR_CFG_NOTFND",
+        ),
+        ("MOTOR_CALIB", "cal_offset", "n", "ERR_CFG_NOTFND"),
+    ] {
+        let told = ask(path, attribute, variable);
+        assert_eq!(
+            told.failure(),
+            (expected.to_owned(), 2),
+            "{path} {attribute}"
+        );
+    }
 }

@@ -5,10 +5,11 @@ use depal_vm::system::System;
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 
 use super::table::Entry;
+use crate::errors::error;
 
 type Ran = Result<Outcome, RaisedError>;
 
-pub(super) const ENTRIES: [Entry; 11] = [
+pub(super) const ENTRIES: [Entry; 12] = [
     (
         "FUNC string GetSysInfo(\\switch SerialNo | switch SWVersion | switch RobotType | switch CtrlId | switch LanIp | switch CtrlLang | switch SystemName)",
         system_info,
@@ -16,6 +17,10 @@ pub(super) const ENTRIES: [Entry; 11] = [
     (
         "FUNC string GetTaskName(\\INOUT num TaskNo | INOUT num MecTaskNo)",
         task_name,
+    ),
+    (
+        "PROC ReadCfgData(string InstancePath, string Attribute, INOUT anytype CfgData)",
+        read_configuration,
     ),
     ("FUNC string CDate()", date),
     ("FUNC string CTime()", time),
@@ -64,6 +69,44 @@ fn task_name(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         }
     }
     text(context.location.task.clone())
+}
+
+/// The value takes the type of the variable: a number, TRUE or FALSE, or any text.
+fn read_configuration(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let path = context.string(0)?;
+    let attribute = context.string(1)?;
+    let parts: Vec<&str> = path.trim_start_matches('/').splitn(3, '/').collect();
+    let found = <[&str; 3]>::try_from(parts)
+        .ok()
+        .and_then(|instance| system.configuration(instance, &attribute));
+    let Some(found) = found else {
+        return Err(error(
+            "ERR_CFG_NOTFND",
+            format!(
+                "the configuration has no attribute {attribute} of {path}; expected /DOMAIN/TYPE/name of a .cfg file \
+                 that was loaded"
+            ),
+        ));
+    };
+    let wrong = |expected: &str| {
+        error(
+            "ERR_CFG_ILLTYPE",
+            format!("{attribute} of {path} is {found:?}, expected {expected}"),
+        )
+    };
+    let value = match context.required(2)? {
+        Value::Num(_) => Value::Num(found.parse().map_err(|_| wrong("a number"))?),
+        Value::Dnum(_) => Value::Dnum(found.parse().map_err(|_| wrong("a number"))?),
+        // A flag stands without a value.
+        Value::Bool(_) => match found.to_ascii_uppercase().as_str() {
+            "TRUE" | "" => Value::Bool(true),
+            "FALSE" => Value::Bool(false),
+            _ => return Err(wrong("TRUE or FALSE")),
+        },
+        _ => Value::Str(found),
+    };
+    context.assign(2, value)?;
+    Ok(Outcome::Done(Value::Absent))
 }
 
 /// Days since the calendar's beginning, and seconds of the day.

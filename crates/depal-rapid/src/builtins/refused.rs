@@ -12,7 +12,7 @@ pub(crate) struct Theme {
 }
 
 /// By theme. A name that comes to run here need not be taken out: what runs wins.
-const THEMES: [Theme; 21] = [
+const THEMES: [Theme; 20] = [
     Theme {
         why: "externally guided motion takes its path from a sensor, and there is none",
         instead: "move to computed targets with MoveL or MoveJ",
@@ -220,11 +220,6 @@ const THEMES: [Theme; 21] = [
         why: "the speed of the TCP is not carried onto analogue outputs from cycle to cycle",
         instead: "set the output with TriggIO \\AOp where the flow begins and where it ends",
         names: &["TriggSpeed", "TriggStopProc"],
-    },
-    Theme {
-        why: "of the configuration files only signals, cross connections, tasks, modules, event routines and the retry limit are kept, so most attributes have no value to give",
-        instead: "keep the value in a PERS of a system module, or ask the signal itself",
-        names: &["ReadCfgData"],
     },
     Theme {
         why: "the configuration is read once, at the start",
