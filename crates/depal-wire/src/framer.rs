@@ -132,14 +132,11 @@ impl Framer {
     }
 
     fn silence(&self) -> SimDuration {
-        if self.encoding.is_some_and(Encoding::is_hex) {
-            if self.buffer.len() < SHORTEST_HEX {
-                SCRAP_SILENCE
-            } else {
-                HEX_SILENCE
-            }
-        } else {
-            LINE_SILENCE
+        match self.encoding {
+            Some(Encoding::Ascii) => LINE_SILENCE,
+            Some(_) if self.buffer.len() >= SHORTEST_HEX => HEX_SILENCE,
+            // Three bytes at most while the encoding is not known.
+            _ => SCRAP_SILENCE,
         }
     }
 
