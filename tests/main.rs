@@ -1,5 +1,6 @@
 //! One test binary: what only the whole house can show.
 
+mod brands;
 mod calibration;
 mod counterfactuals;
 mod determinism;
