@@ -7,6 +7,7 @@ use std::io::{BufRead as _, BufReader};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use depal_wire::s7::Field;
@@ -17,12 +18,16 @@ use crate::s7::PlcAddress;
 
 const HANDSHAKES: usize = 100;
 
+/// Two tests want the same version: the second waits until the first has installed it.
+static INSTALLING: Mutex<()> = Mutex::new(());
+
 /// Where the package is installed, unless it cannot be.
 fn installed(version: &str) -> Option<PathBuf> {
     if std::env::var_os("DEPAL_INTEROP").is_none() {
         println!("skipped: python-snap7 {version}, as DEPAL_INTEROP is not set");
         return None;
     }
+    let _one_at_a_time = INSTALLING.lock().unwrap_or_else(PoisonError::into_inner);
     // The test program lies in target/<profile>/deps.
     let program = std::env::current_exe().expect("a program");
     let target = program.ancestors().nth(3).expect("a target folder");
