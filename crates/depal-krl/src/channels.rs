@@ -2,48 +2,45 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use depal_eki::{ChannelConfig, ConfigDiagnostic, ConfigSeverity};
-use depal_vm::{Diagnostic, SourceFile, Span};
+use depal_vm::{Diagnostic, Loaded, SourceFile, Span};
 
-use crate::Loaded;
 use crate::builtins::{CHANNELS, Links, channels};
 
-impl Loaded {
-    /// Gives the program its Ethernet channels: configuration files in XML, each a channel with the file's name,
-    /// without folder and extension. What is wrong with a file is among the diagnostics, as file `sources` and up:
-    /// the channel files stand behind the files that were loaded.
-    #[must_use]
-    pub fn with_channels(mut self, sources: usize, files: &[SourceFile]) -> Self {
-        let mut configs = BTreeMap::new();
-        let mut failed = false;
-        for (index, file) in files.iter().enumerate() {
-            let place = |line| span((sources + index) as u32, file, line);
-            let name = channel_name(&file.name);
-            let (says, config) = match ChannelConfig::read(&file.text) {
-                Ok(read) => (read.warnings, Some(read.config)),
-                Err(error) => (error.diagnostics, None),
-            };
-            failed |= config.is_none();
-            let says = says.iter().map(|say| diagnostic(say, place(say.line)));
-            self.diagnostics.extend(says);
-            let Some(config) = config else { continue };
-            if configs.insert(name.to_owned(), Arc::new(config)).is_some() {
-                failed = true;
-                self.diagnostics.push(Diagnostic::error(
-                    "EKI0003",
-                    place(1),
-                    format!("there is another file for the channel {name}"),
-                ));
-            }
+/// Gives a loaded program its Ethernet channels: configuration files in XML, each a channel with the file's name,
+/// without folder and extension. What is wrong with a file is among the diagnostics, as file `sources` and up:
+/// the channel files stand behind the files that were loaded.
+#[must_use]
+pub fn with_channels(mut loaded: Loaded, sources: usize, files: &[SourceFile]) -> Loaded {
+    let mut configs = BTreeMap::new();
+    let mut failed = false;
+    for (index, file) in files.iter().enumerate() {
+        let place = |line| span((sources + index) as u32, file, line);
+        let name = channel_name(&file.name);
+        let (says, config) = match ChannelConfig::read(&file.text) {
+            Ok(read) => (read.warnings, Some(read.config)),
+            Err(error) => (error.diagnostics, None),
+        };
+        failed |= config.is_none();
+        let says = says.iter().map(|say| diagnostic(say, place(say.line)));
+        loaded.diagnostics.extend(says);
+        let Some(config) = config else { continue };
+        if configs.insert(name.to_owned(), Arc::new(config)).is_some() {
+            failed = true;
+            loaded.diagnostics.push(Diagnostic::error(
+                "EKI0003",
+                place(1),
+                format!("there is another file for the channel {name}"),
+            ));
         }
-        if failed {
-            self.program = None;
-        }
-        if let Some(program) = &mut self.program {
-            let program = Arc::make_mut(program);
-            program.globals[CHANNELS] = channels(Links::new(configs));
-        }
-        self
     }
+    if failed {
+        loaded.program = None;
+    }
+    if let Some(program) = &mut loaded.program {
+        let program = Arc::make_mut(program);
+        program.globals[CHANNELS] = channels(Links::new(configs));
+    }
+    loaded
 }
 
 /// The last part of a path, without its extension.

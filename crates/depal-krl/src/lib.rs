@@ -30,7 +30,7 @@
 //!
 //! Signals of the cabinet are named as programs write them: `$IN[5]`, `$OUT[5]`, `$ANIN[1]`, `$ANOUT[1]`.
 //!
-//! Ethernet KRL: [`Loaded::with_channels`] gives a program its channels. What arrives is taken in whenever a flag is
+//! Ethernet KRL: [`with_channels`] gives a program its channels. What arrives is taken in whenever a flag is
 //! read or a channel is called, so that waits and interrupts on `$FLAG` see it; an output of `Set_Out` follows then.
 //! The flag of `Set_Flag` rises for each record: one that came while the flag was on, and is still unread 12 ms after
 //! the program has reset the flag, raises it again.
@@ -60,8 +60,10 @@ mod loading;
 mod syntax;
 
 pub use builtins::{OWN_GLOBALS, built_in_names};
+pub use channels::with_channels;
 pub use compile::types::SignalKind;
+pub use depal_vm::{Loaded, decode};
 pub use loading::{
-    Loaded, SignalDefinition, check, check_syntax, check_with_signals, decode, load,
-    load_with_auto_signals, normal_form,
+    SignalDefinition, check, check_syntax, check_with_signals, load, load_with_auto_signals,
+    normal_form,
 };

@@ -1,7 +1,6 @@
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
-use depal_vm::{Diagnostic, Program, Severity, SourceFile};
+use depal_vm::{Diagnostic, Loaded, SourceFile, in_order};
 
 use crate::SignalKind;
 use crate::builtins::{Table, predefined_data};
@@ -9,9 +8,6 @@ use crate::compile::{Compiled, Signals, Unit, compile};
 use crate::syntax::parser::parse;
 use crate::syntax::print::print;
 use crate::syntax::tree::{File, FileKind};
-
-/// Most messages that are worth reading at once.
-const DIAGNOSTIC_LIMIT: usize = 200;
 
 /// How many signals of an array are added where a program computes their numbers.
 const COMPUTED_SIGNALS: i64 = 1024;
@@ -23,22 +19,6 @@ pub struct SignalDefinition {
     pub name: String,
     /// Direction and width.
     pub kind: SignalKind,
-}
-
-/// What came of loading the files of a task.
-#[derive(Debug, Clone)]
-pub struct Loaded {
-    /// The program, unless there are errors.
-    pub program: Option<Arc<Program>>,
-    /// Errors and warnings, by file and place.
-    pub diagnostics: Vec<Diagnostic>,
-}
-
-impl Loaded {
-    /// Whether there is an error.
-    pub fn has_errors(&self) -> bool {
-        self.program.is_none()
-    }
 }
 
 /// Loads the files of one task, in any order, to start at the program `entry`.
@@ -77,7 +57,7 @@ pub fn load_with_auto_signals(
 pub fn check_syntax(sources: &[SourceFile]) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     parse_all(sources, &mut diagnostics);
-    sorted(diagnostics)
+    in_order(diagnostics)
 }
 
 /// A file in one normal form: layout and numbers as we write them, without comments. It reads as the same program.
@@ -88,15 +68,7 @@ pub fn normal_form(source: &SourceFile) -> Result<String, Vec<Diagnostic>> {
     if diagnostics.is_empty() {
         Ok(print(&file))
     } else {
-        Err(sorted(diagnostics))
-    }
-}
-
-/// The text of a file: UTF-8, with or without a byte order mark, else ISO 8859-1.
-pub fn decode(bytes: &[u8]) -> String {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => text.to_owned(),
-        Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect(),
+        Err(in_order(diagnostics))
     }
 }
 
@@ -160,34 +132,12 @@ fn parse_all(sources: &[SourceFile], diagnostics: &mut Vec<Diagnostic>) -> Vec<U
     units
 }
 
-fn sorted(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    diagnostics.sort_by_key(|d| (d.primary.span.file, d.primary.span.start, d.severity));
-    diagnostics.dedup();
-    diagnostics
-}
-
 fn load_with(sources: &[SourceFile], signals: Signals, entry: Option<&str>) -> (Loaded, Compiled) {
     let mut diagnostics = Vec::new();
     let units = parse_all(sources, &mut diagnostics);
     let table = Table::new();
     let mut compiled = compile(sources, &units, signals, entry, &table);
     diagnostics.append(&mut compiled.diagnostics);
-    let mut diagnostics = sorted(diagnostics);
-    let failed = diagnostics.iter().any(|d| d.severity == Severity::Error);
-    if diagnostics.len() > DIAGNOSTIC_LIMIT {
-        let more = diagnostics.len() - DIAGNOSTIC_LIMIT;
-        let last = diagnostics[DIAGNOSTIC_LIMIT].primary.span;
-        diagnostics.truncate(DIAGNOSTIC_LIMIT);
-        diagnostics.push(Diagnostic::error(
-            "KRL0999",
-            last,
-            format!("{more} more messages from here on are not shown"),
-        ));
-    }
     let program = std::mem::take(&mut compiled.program);
-    let loaded = Loaded {
-        program: (!failed).then(|| Arc::new(program)),
-        diagnostics,
-    };
-    (loaded, compiled)
+    (Loaded::new(program, diagnostics, "KRL0999"), compiled)
 }

@@ -55,8 +55,9 @@ mod syntax;
 pub use builtins::built_in_names;
 pub use catalogue::{Page, explain, pages};
 pub use compile::types::SignalKind;
+pub use depal_vm::{Loaded, decode};
 pub use loading::{
-    Loaded, SignalDefinition, TaskEntry, TaskEvent, check, check_syntax, check_with_signals,
-    decode, load, load_task, load_with_auto_signals, normal_form, program_list,
+    SignalDefinition, TaskEntry, TaskEvent, check, check_syntax, check_with_signals, load,
+    load_task, load_with_auto_signals, normal_form, program_list,
 };
 pub use rules::{OPEN_RULES, OpenRule};

@@ -1,7 +1,6 @@
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use depal_vm::{Diagnostic, Program, Severity, SourceFile};
+use depal_vm::{Diagnostic, Loaded, Severity, SourceFile, in_order};
 
 use crate::SignalKind;
 use crate::builtins::Table;
@@ -10,9 +9,6 @@ use crate::syntax::parser::parse;
 use crate::syntax::print::print;
 use crate::syntax::tree::Module;
 
-/// Most messages that are worth reading at once.
-const DIAGNOSTIC_LIMIT: usize = 200;
-
 /// A signal that programs may use by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SignalDefinition {
@@ -20,22 +16,6 @@ pub struct SignalDefinition {
     pub name: String,
     /// Direction and width.
     pub kind: SignalKind,
-}
-
-/// What came of loading the modules of a task.
-#[derive(Debug, Clone)]
-pub struct Loaded {
-    /// The program, unless there are errors.
-    pub program: Option<Arc<Program>>,
-    /// Errors and warnings, by file and place.
-    pub diagnostics: Vec<Diagnostic>,
-}
-
-impl Loaded {
-    /// Whether there is an error.
-    pub fn has_errors(&self) -> bool {
-        self.program.is_none()
-    }
 }
 
 /// When an event routine runs.
@@ -106,7 +86,7 @@ pub fn load_with_auto_signals(
 pub fn check_syntax(sources: &[SourceFile]) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     parse_all(sources, &mut diagnostics);
-    sorted(diagnostics)
+    in_order(diagnostics)
 }
 
 /// The modules of a text in one normal form: layout, parentheses and numbers as we write them, without comments.
@@ -117,27 +97,7 @@ pub fn normal_form(source: &SourceFile) -> Result<String, Vec<Diagnostic>> {
     if diagnostics.is_empty() {
         Ok(print(&modules))
     } else {
-        Err(sorted(diagnostics))
-    }
-}
-
-/// The text of a module file: UTF-8, with or without a byte order mark, else Windows-1252.
-pub fn decode(bytes: &[u8]) -> String {
-    // What ISO-8859-1 leaves to control characters, from 0x80 to 0x9F.
-    const UPPER: [char; 32] = [
-        '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž',
-        '\u{8f}', '\u{90}', '‘', '’', '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9d}',
-        'ž', 'Ÿ',
-    ];
-    match std::str::from_utf8(bytes) {
-        Ok(text) => text.to_owned(),
-        Err(_) => bytes
-            .iter()
-            .map(|byte| match byte {
-                0x80..=0x9f => UPPER[usize::from(byte - 0x80)],
-                byte => char::from(*byte),
-            })
-            .collect(),
+        Err(in_order(diagnostics))
     }
 }
 
@@ -173,12 +133,6 @@ fn parse_all(sources: &[SourceFile], diagnostics: &mut Vec<Diagnostic>) -> Vec<M
     modules
 }
 
-fn sorted(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    diagnostics.sort_by_key(|d| (d.primary.span.file, d.primary.span.start, d.severity));
-    diagnostics.dedup();
-    diagnostics
-}
-
 /// Checks modules without a cabinet: an unknown name where a signal may stand is a warning,
 /// and no entry procedure is needed.
 pub fn check(sources: &[SourceFile]) -> Loaded {
@@ -200,24 +154,9 @@ fn load_with(
     let table = Table::new();
     let (program, found) = compile(sources, &modules, signals, entry, &table);
     diagnostics.extend(found);
-    let mut diagnostics = sorted(diagnostics);
-    let failed = diagnostics.iter().any(|d| d.severity == Severity::Error);
-    if failed {
+    if diagnostics.iter().any(|d| d.severity == Severity::Error) {
         // What could not be read may be what uses the module.
         diagnostics.retain(|d| d.code != "RAPID0120");
     }
-    if diagnostics.len() > DIAGNOSTIC_LIMIT {
-        let more = diagnostics.len() - DIAGNOSTIC_LIMIT;
-        let last = diagnostics[DIAGNOSTIC_LIMIT].primary.span;
-        diagnostics.truncate(DIAGNOSTIC_LIMIT);
-        diagnostics.push(Diagnostic::error(
-            "RAPID0999",
-            last,
-            format!("{more} more messages from here on are not shown"),
-        ));
-    }
-    Loaded {
-        program: (!failed).then(|| Arc::new(program)),
-        diagnostics,
-    }
+    Loaded::new(program, diagnostics, "RAPID0999")
 }

@@ -49,7 +49,8 @@ mod syntax;
 mod tasks;
 
 pub use builtins::built_in_names;
-pub use loading::{Loaded, check, check_syntax, decode, load, normal_form};
+pub use depal_vm::{Loaded, decode};
+pub use loading::{check, check_syntax, load, normal_form};
 pub use options::{ByteOrder, GroupOutput, Options, PresetError, parse_preset};
 pub use registers::{decimal, written_registers};
 pub use signals::{SignalKind, SignalUse, signals_used};

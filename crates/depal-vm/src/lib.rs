@@ -48,8 +48,10 @@ mod empty_cabinet;
 mod error;
 pub mod execution;
 mod host_state;
+mod loaded;
 mod machine;
 mod memory;
+mod nearest;
 mod operators;
 mod plain;
 mod program;
@@ -64,8 +66,10 @@ pub use builtin::{Builtin, BuiltinFn, CallContext, Outcome};
 pub use diagnostic::{Diagnostic, Label, Severity};
 pub use error::{MachineFault, RaisedError};
 pub use host_state::HostState;
+pub use loaded::{Loaded, in_order};
 pub use machine::Machine;
 pub use memory::{Frame, Interrupt, Interrupts, Level, Memory, Trigger};
+pub use nearest::nearest_name;
 pub use operators::{BinaryOp, UnaryOp};
 pub use program::{
     CallParameter, ErrorHandler, ErrorNumber, EventRoutines, LanguageRules, NamedDatum, Op,
@@ -73,7 +77,7 @@ pub use program::{
 };
 pub use report::{Report, ReportFilter};
 pub use shared::{SharedDatum, SharingConflict, sharing_conflicts};
-pub use span::{LineColumn, SourceFile, Span};
+pub use span::{LineColumn, LineStarts, SourceFile, Span, decode};
 pub use value::{ClockState, RAW_BYTES_LIMIT, RawBytes, Reference, Root, Value};
 
 #[cfg(test)]

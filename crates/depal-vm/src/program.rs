@@ -149,6 +149,24 @@ pub enum Op {
     Stop(String),
 }
 
+impl Op {
+    /// Gives a jump, a test of a loop or a statement its target.
+    ///
+    /// # Panics
+    /// If the operation has none: a mistake of the lowering.
+    pub fn set_target(&mut self, to: u32) {
+        match self {
+            Self::Jump(target)
+            | Self::JumpIfFalse(target)
+            | Self::JumpIfFalseKeep(target)
+            | Self::JumpIfTrueKeep(target)
+            | Self::Statement { next: target, .. }
+            | Self::ForTest { exit: target, .. } => *target = to,
+            other => unreachable!("{other:?} has no target"),
+        }
+    }
+}
+
 /// An error that an error clause takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorNumber {

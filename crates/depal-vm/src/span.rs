@@ -83,3 +83,53 @@ impl Span {
         }
     }
 }
+
+/// Where the lines of several texts begin.
+#[derive(Debug, Clone, Default)]
+pub struct LineStarts {
+    files: Vec<Vec<u32>>,
+}
+
+impl LineStarts {
+    /// Of texts in the order in which spans count them.
+    pub fn new(files: &[SourceFile]) -> Self {
+        let starts = |file: &SourceFile| {
+            let bytes = file.text.bytes().zip(1..);
+            let begun = bytes
+                .filter(|(byte, _)| *byte == b'\n')
+                .map(|(_, next)| next);
+            std::iter::once(0).chain(begun).collect()
+        };
+        Self {
+            files: files.iter().map(starts).collect(),
+        }
+    }
+
+    /// The line in which a span begins, from 1; 1 in a text that is not among them.
+    pub fn line(&self, span: Span) -> u32 {
+        let starts = self.files.get(span.file as usize);
+        starts.map_or(1, |starts| {
+            starts.partition_point(|start| *start <= span.start) as u32
+        })
+    }
+}
+
+/// The text of a program file: UTF-8, with or without a byte order mark, else Windows-1252.
+pub fn decode(bytes: &[u8]) -> String {
+    // What ISO-8859-1 leaves to control characters, from 0x80 to 0x9F.
+    const UPPER: [char; 32] = [
+        '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž',
+        '\u{8f}', '\u{90}', '‘', '’', '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9d}',
+        'ž', 'Ÿ',
+    ];
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        Err(_) => bytes
+            .iter()
+            .map(|byte| match byte {
+                0x80..=0x9f => UPPER[usize::from(byte - 0x80)],
+                byte => char::from(*byte),
+            })
+            .collect(),
+    }
+}

@@ -71,7 +71,7 @@ pub fn check(
             } else {
                 depal_krl::check(programs)
             };
-            let loaded = loaded.with_channels(programs.len(), channels);
+            let loaded = depal_krl::with_channels(loaded, programs.len(), channels);
             (loaded.program, loaded.diagnostics)
         }
         (Language::Tp, _) if syntax_only => (None, depal_tp::check_syntax(sources)),

@@ -187,7 +187,7 @@ fn krl(args: &ExecArgs) -> Result<Tasks, Failure> {
     });
     let load = |entry: &str| {
         let (loaded, _) = depal_krl::load_with_auto_signals(programs, &[], entry);
-        loaded.with_channels(programs.len(), channels)
+        depal_krl::with_channels(loaded, programs.len(), channels)
     };
     let robot = load(&entry);
     let mut tasks = vec![krl_task(robot, TaskRole::motion("ROBOT"), &sources)?];

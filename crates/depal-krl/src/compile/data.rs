@@ -1,4 +1,4 @@
-use depal_vm::{Diagnostic, Reference, Root, Span, Value};
+use depal_vm::{Diagnostic, Reference, Root, Span, Value, nearest_name};
 
 use super::program::Unit;
 use super::scope::*;

@@ -1,4 +1,4 @@
-use depal_vm::{Diagnostic, Op, Span, UnaryOp, Value};
+use depal_vm::{Diagnostic, Op, Span, UnaryOp, Value, nearest_name};
 
 use super::scope::*;
 use super::types::*;

@@ -1,6 +1,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use depal_vm::{Diagnostic, LanguageRules, Op, Program, SharedDatum, SourceFile, Span};
+use depal_vm::{
+    Diagnostic, LanguageRules, LineStarts, Op, Program, SharedDatum, SourceFile, Span, nearest_name,
+};
 
 use super::scope::*;
 use super::system::LIVE;
@@ -45,22 +47,9 @@ pub(crate) fn compile(
     entry: Option<&str>,
     table: &Table,
 ) -> Compiled {
-    let line_starts = files
-        .iter()
-        .map(|file| {
-            let newlines = file.text.bytes().enumerate();
-            std::iter::once(0)
-                .chain(
-                    newlines
-                        .filter(|(_, b)| *b == b'\n')
-                        .map(|(i, _)| i as u32 + 1),
-                )
-                .collect()
-        })
-        .collect();
     let mut compiler = Compiler {
         diagnostics: Vec::new(),
-        line_starts,
+        line_starts: LineStarts::new(files),
         types: Types::default(),
         type_names: BTreeMap::new(),
         module_types: vec![BTreeMap::new(); units.len()],

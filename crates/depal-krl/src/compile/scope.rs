@@ -1,7 +1,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use depal_vm::{Diagnostic, Op, Program, Span, Value};
+use depal_vm::{Diagnostic, LineStarts, Op, Program, Span, Value, nearest_name};
 
 use super::system::Live;
 use super::types::{Type, Types};
@@ -122,7 +122,7 @@ pub(crate) struct Body {
 /// Everything that is known while a program is made.
 pub(crate) struct Compiler<'a> {
     pub(crate) diagnostics: Vec<Diagnostic>,
-    pub(crate) line_starts: Vec<Vec<u32>>,
+    pub(crate) line_starts: LineStarts,
     pub(crate) types: Types,
     /// Type names by key, for all modules and for each.
     pub(crate) type_names: BTreeMap<String, (Type, Span)>,
@@ -149,11 +149,7 @@ impl Compiler<'_> {
     }
 
     pub(crate) fn line(&self, span: Span) -> u32 {
-        self.line_starts
-            .get(span.file as usize)
-            .map_or(1, |starts| {
-                starts.partition_point(|s| *s <= span.start) as u32
-            })
+        self.line_starts.line(span)
     }
 
     pub(crate) fn emit(&mut self, op: Op) -> usize {
@@ -185,14 +181,7 @@ impl Compiler<'_> {
 
     /// Sets the target of a jump emitted before.
     pub(crate) fn patch(&mut self, at: usize, to: u32) {
-        match &mut self.body.code[at] {
-            Op::Jump(target)
-            | Op::JumpIfFalse(target)
-            | Op::JumpIfFalseKeep(target)
-            | Op::JumpIfTrueKeep(target)
-            | Op::Statement { next: target, .. } => *target = to,
-            other => unreachable!("{other:?} has no target"),
-        }
+        self.body.code[at].set_target(to);
     }
 
     pub(crate) fn patch_here(&mut self, at: usize) {
@@ -258,21 +247,4 @@ impl Compiler<'_> {
             );
         }
     }
-}
-
-/// The candidate with the fewest changes, if they are few for its length.
-pub(crate) fn nearest_name(
-    wanted: &str,
-    candidates: impl Iterator<Item = String>,
-) -> Option<String> {
-    let key = wanted.to_lowercase();
-    let limit = (key.chars().count() / 3).clamp(1, 4);
-    candidates
-        .map(|name| {
-            let distance = strsim::damerau_levenshtein(&key, &name.to_lowercase());
-            (distance, name)
-        })
-        .filter(|(distance, _)| *distance <= limit)
-        .min()
-        .map(|(_, name)| name)
 }

@@ -1,4 +1,4 @@
-use depal_vm::{BinaryOp, Diagnostic, Op, Span, Value};
+use depal_vm::{BinaryOp, Diagnostic, Op, Span, Value, nearest_name};
 
 use super::scope::*;
 use super::types::Type;

@@ -100,11 +100,10 @@ impl Compiler<'_> {
                             given.span,
                             format!("{} has no argument {} here", name.text, given.text),
                         );
-                        diagnostic.help =
-                            Some(match super::scope::nearest_name(&given.text, names) {
-                                Some(near) => format!("did you mean \\{near}?"),
-                                None => usage(signature),
-                            });
+                        diagnostic.help = Some(match depal_vm::nearest_name(&given.text, names) {
+                            Some(near) => format!("did you mean \\{near}?"),
+                            None => usage(signature),
+                        });
                         self.error(diagnostic);
                         continue;
                     };

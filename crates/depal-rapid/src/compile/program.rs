@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use depal_vm::{Diagnostic, LanguageRules, Program, SourceFile};
+use depal_vm::{Diagnostic, LanguageRules, LineStarts, Program, SourceFile};
 
 use super::scope::*;
 use super::types::SignalKind;
@@ -50,22 +50,9 @@ fn run<'a>(
     entry: Option<&TaskEntry<'_>>,
     table: &'a Table,
 ) -> Compiler<'a> {
-    let line_starts = files
-        .iter()
-        .map(|file| {
-            let newlines = file.text.bytes().enumerate();
-            std::iter::once(0)
-                .chain(
-                    newlines
-                        .filter(|(_, b)| *b == b'\n')
-                        .map(|(i, _)| i as u32 + 1),
-                )
-                .collect()
-        })
-        .collect();
     let mut compiler = Compiler {
         diagnostics: Vec::new(),
-        line_starts,
+        line_starts: LineStarts::new(files),
         records: Vec::new(),
         types: BTreeMap::new(),
         local_types: vec![BTreeMap::new(); modules.len()],

@@ -3,7 +3,7 @@ use std::rc::Rc;
 
 use depal_vm::{
     CallParameter, Diagnostic, ErrorHandler, ErrorNumber, EventRoutines, Op, Routine as Lowered,
-    Span, Value,
+    Span, Value, nearest_name,
 };
 
 use super::module_data::constant_of;

@@ -186,13 +186,7 @@ impl Compiler<'_> {
     fn near_program(&self, key: &str) -> Option<String> {
         let programs = self.listings.iter().map(|l| l.name.text.clone());
         let calls = crate::mm::CALLS.iter().map(|call| call.name.to_owned());
-        let near = programs.chain(calls).map(|name| {
-            let distance = strsim::damerau_levenshtein(key, &name.to_uppercase());
-            (distance, name)
-        });
-        near.filter(|(distance, name)| *distance <= 2 && *distance < name.len())
-            .min()
-            .map(|(_, name)| name)
+        depal_vm::nearest_name(key, programs.chain(calls))
     }
 
     fn builtin(&self, name: &str) -> u32 {

@@ -177,15 +177,10 @@ impl Cursor<'_> {
     }
 
     fn unknown<T>(&mut self, word: &str, span: Span) -> Parsed<T> {
-        let upper = word.to_uppercase();
         let mut message =
             Diagnostic::error("TP0020", span, format!("there is no instruction {word}"));
-        let near = STATEMENTS
-            .iter()
-            .map(|known| (strsim::damerau_levenshtein(&upper, known), *known))
-            .filter(|(distance, known)| *distance <= 2 && *distance < known.len())
-            .min();
-        if let Some((_, near)) = near {
+        let known = STATEMENTS.iter().map(|known| (*known).to_owned());
+        if let Some(near) = depal_vm::nearest_name(word, known) {
             message = message.help(format!("did you mean {near}?"));
         }
         self.fail(message)

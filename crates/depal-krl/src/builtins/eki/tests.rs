@@ -31,7 +31,11 @@ fn task(files: &[(&str, &str)], channels: &[(&str, &str)]) -> Machine {
             kind: crate::SignalKind::Do,
         })
         .collect();
-    let loaded = crate::load(&files, &outputs, "main").with_channels(files.len(), &channels);
+    let loaded = crate::with_channels(
+        crate::load(&files, &outputs, "main"),
+        files.len(),
+        &channels,
+    );
     let all = [files, channels].concat();
     let says: Vec<_> = loaded.diagnostics.iter().map(|d| d.plain(&all)).collect();
     assert_eq!(says, Vec::<String>::new());

@@ -278,7 +278,11 @@ fn what_is_wrong_with_a_channel_file_has_its_place() {
         "folder/Plc.xml",
         XML.replace("<PORT>5000</PORT>", "\n  <PORT>0</PORT>\n"),
     );
-    let loaded = crate::load(&files, &[], "main").with_channels(1, std::slice::from_ref(&channel));
+    let loaded = crate::with_channels(
+        crate::load(&files, &[], "main"),
+        1,
+        std::slice::from_ref(&channel),
+    );
     assert!(loaded.has_errors());
     let all = [files[0].clone(), channel];
     let says: Vec<_> = loaded
@@ -311,7 +315,11 @@ fn the_program_of_the_scene_loads() {
         .collect();
     signals.push(signal("$IN[1]".into(), crate::SignalKind::Di));
     let channel = depal_vm::SourceFile::new("XML_Kuka_MMIND.xml", CHANNEL);
-    let loaded = crate::load(&files, &signals, "kuka").with_channels(files.len(), &[channel]);
+    let loaded = crate::with_channels(
+        crate::load(&files, &signals, "kuka"),
+        files.len(),
+        &[channel],
+    );
     let says: Vec<_> = loaded.diagnostics.iter().map(|d| d.plain(&files)).collect();
     assert_eq!(says, Vec::<String>::new());
     assert!(loaded.program.is_some());
