@@ -7,6 +7,7 @@ mod speak;
 
 mod check;
 mod check_language;
+mod cloud_picture;
 mod detect;
 mod diagnostics;
 mod exec;

@@ -13,6 +13,7 @@ use depal_time::RandomStreams;
 use depal_world::World;
 use serde_json::{Value, json};
 
+use crate::cloud_picture::seen_from_the_side;
 use crate::failure::Failure;
 use crate::false_colour::false_colour;
 use crate::image_file::{depth_png, false_colour_png, grey_png, write};
@@ -38,6 +39,9 @@ pub struct RenderArgs {
     /// Also write the depth as a small picture for people: near is red, far is blue, invalid is black.
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
+    /// Also write the points as seen from the side, in the same colours.
+    #[arg(long, value_name = "FILE.png")]
+    cloud_picture: Option<PathBuf>,
     /// Print the computing times as one JSON document on stdout: the least of five pictures each.
     #[arg(long)]
     json: bool,
@@ -88,6 +92,10 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
     }
     if let Some(path) = &args.picture {
         write(path, &false_colour_png(&false_colour(&frame))?)?;
+    }
+    if let Some(path) = &args.cloud_picture {
+        let side = seen_from_the_side(&frame);
+        write(path, &false_colour_png(&false_colour(&side))?)?;
     }
     if args.json {
         let round = |ms: f64| (ms * 1e3).round() / 1e3;
