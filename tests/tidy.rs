@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Rooms from the inside out; a crate may depend on crates of the rows before it only,
 /// and within the fourth row on those named in `WITHIN_ROW`.
 const ROWS: [&[&str]; 6] = [
-    &["depal-frames", "depal-time"],
+    &["depal-frames", "depal-syntax", "depal-time"],
     &[
         "depal-vm",
         "depal-eki",

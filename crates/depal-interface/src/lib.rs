@@ -61,7 +61,7 @@ pub use job::{
 };
 pub use log::{Direction, LogEntry};
 pub use outbox::Outgoing;
-pub use plc::{Handshake, HandshakeSettings, PlcClient, PlcClientError, Transfer, plc_port};
+pub use plc::{Handshake, HandshakeSettings, PlcClient, Transfer, plc_port};
 pub use property_config::{
     PropertyConfig, PropertyConfigError, PropertyValue, ReadLine, WriteLine,
 };

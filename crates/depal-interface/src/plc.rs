@@ -26,7 +26,7 @@ mod result;
 
 use depal_wire::{Encoding, HexPlanCells, HexReplyLength, PointCell8, StateReply};
 
-pub use client::{PlcClient, PlcClientError};
+pub use client::PlcClient;
 pub use handshake::{Handshake, HandshakeSettings, Transfer};
 
 use crate::settings::PortSettings;

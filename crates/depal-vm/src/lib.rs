@@ -43,7 +43,6 @@
 //! Limitations: a statement is the smallest step.
 
 mod builtin;
-mod diagnostic;
 mod empty_cabinet;
 mod error;
 pub mod execution;
@@ -51,25 +50,24 @@ mod host_state;
 mod loaded;
 mod machine;
 mod memory;
-mod nearest;
 mod operators;
 mod plain;
 mod program;
 mod report;
 mod shared;
 mod signal_check;
-mod span;
 pub mod system;
 mod value;
 
 pub use builtin::{Builtin, BuiltinFn, CallContext, Outcome};
-pub use diagnostic::{Diagnostic, Label, Severity};
+pub use depal_syntax::{
+    Diagnostic, Label, LineColumn, LineStarts, Severity, SourceFile, Span, decode, in_order, nearest_name,
+};
 pub use error::{MachineFault, RaisedError};
 pub use host_state::HostState;
-pub use loaded::{Loaded, in_order};
+pub use loaded::Loaded;
 pub use machine::Machine;
 pub use memory::{Frame, Interrupt, Interrupts, Level, Memory, Trigger};
-pub use nearest::nearest_name;
 pub use operators::{BinaryOp, UnaryOp};
 pub use program::{
     CallParameter, ErrorHandler, ErrorNumber, EventRoutines, LanguageRules, NamedDatum, Op,
@@ -77,7 +75,6 @@ pub use program::{
 };
 pub use report::{Report, ReportFilter};
 pub use shared::{SharedDatum, SharingConflict, sharing_conflicts};
-pub use span::{LineColumn, LineStarts, SourceFile, Span, decode};
 pub use value::{ClockState, RAW_BYTES_LIMIT, RawBytes, Reference, Root, Value};
 
 #[cfg(test)]

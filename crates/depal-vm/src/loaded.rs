@@ -1,6 +1,8 @@
 use std::sync::Arc;
 
-use crate::{Diagnostic, Program, Severity};
+use depal_syntax::{Diagnostic, Severity, in_order};
+
+use crate::Program;
 
 /// Most messages that are worth reading at once.
 const DIAGNOSTIC_LIMIT: usize = 200;
@@ -40,11 +42,4 @@ impl Loaded {
     pub fn has_errors(&self) -> bool {
         self.program.is_none()
     }
-}
-
-/// Messages by file and place, each once.
-pub fn in_order(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    diagnostics.sort_by_key(|d| (d.primary.span.file, d.primary.span.start, d.severity));
-    diagnostics.dedup();
-    diagnostics
 }

@@ -10,6 +10,7 @@
 //! Not here: symbolic addresses, user data telegrams, fragments of optimised blocks.
 
 mod block;
+mod client;
 mod codes;
 mod cotp;
 mod error;
@@ -21,6 +22,7 @@ mod server;
 pub use block::{
     BLOCK_BYTES, COMMAND_BYTES, DataBlock, Field, FieldKind, FieldSpec, POINT_ROWS, Side,
 };
+pub use client::{BlockClient, BlockClientError, BlockDone};
 pub use codes::ReturnCode;
 pub use cotp::{CotpConnect, CotpPacket, Tsap};
 pub use error::S7Error;

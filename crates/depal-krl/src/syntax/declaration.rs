@@ -1,7 +1,6 @@
-use depal_vm::Span;
+use depal_syntax::{Span, Token};
 
 use super::keywords::is_keyword;
-use super::lexer::Token;
 use super::parser::Parser;
 use super::tree::*;
 

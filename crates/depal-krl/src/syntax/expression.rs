@@ -1,7 +1,6 @@
-use depal_vm::Span;
+use depal_syntax::{Span, Token};
 
 use super::keywords::is_keyword;
-use super::lexer::Token;
 use super::parser::Parser;
 use super::tree::*;
 
@@ -102,13 +101,13 @@ impl Parser<'_> {
     fn primary(&mut self) -> Expression {
         let span = self.span();
         let kind = match self.peek().clone() {
-            Token::Integer(value) => {
+            Token::Number { value, integer } => {
                 self.advance();
-                ExpressionKind::Integer(value)
-            }
-            Token::Real(value) => {
-                self.advance();
-                ExpressionKind::Real(value)
+                if integer {
+                    ExpressionKind::Integer(value as i64)
+                } else {
+                    ExpressionKind::Real(value)
+                }
             }
             Token::Text(text) => {
                 self.advance();

@@ -1,29 +1,9 @@
-use depal_vm::{Diagnostic, Span};
-
-/// A token. Keywords are names; the parser compares them without regard to case.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Token {
-    Name(String),
-    Integer(i64),
-    Real(f64),
-    Text(String),
-    /// An operator or a mark: `==`, `<>`, `[`.
-    Mark(&'static str),
-    /// The end of a line that has something on it.
-    Line,
-    End,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct SpannedToken {
-    pub(crate) token: Token,
-    pub(crate) span: Span,
-}
+use depal_syntax::{Diagnostic, Scanner, Span, SpannedToken, Token};
 
 /// Longest first, so that `==` wins over `=`.
-const MARKS: [&str; 20] = [
+const MARKS: [&str; 21] = [
     "==", "<>", "<=", ">=", "<", ">", "=", "+", "-", "*", "/", "(", ")", "[", "]", "{", "}", ",",
-    ":", ".",
+    ":", ".", "#",
 ];
 
 /// Longest name.
@@ -32,9 +12,7 @@ const NAME_LIMIT: usize = 24;
 /// Cuts a text into tokens. Never fails: what is no token is reported and skipped.
 pub(crate) fn lex(file: u32, text: &str, diagnostics: &mut Vec<Diagnostic>) -> Vec<SpannedToken> {
     let mut lexer = Lexer {
-        file,
-        text,
-        at: 0,
+        scanner: Scanner::new(file, text),
         tokens: Vec::new(),
         diagnostics,
     };
@@ -43,9 +21,7 @@ pub(crate) fn lex(file: u32, text: &str, diagnostics: &mut Vec<Diagnostic>) -> V
 }
 
 struct Lexer<'a> {
-    file: u32,
-    text: &'a str,
-    at: usize,
+    scanner: Scanner<'a>,
     tokens: Vec<SpannedToken>,
     diagnostics: &'a mut Vec<Diagnostic>,
 }
@@ -55,149 +31,99 @@ fn in_name(c: char) -> bool {
 }
 
 impl Lexer<'_> {
-    fn rest(&self) -> &str {
-        &self.text[self.at..]
-    }
-
-    fn span(&self, start: usize) -> Span {
-        Span::new(self.file, start as u32, self.at as u32)
-    }
-
     fn push(&mut self, start: usize, token: Token) {
-        let span = self.span(start);
+        let span = self.scanner.span_from(start);
         self.tokens.push(SpannedToken { token, span });
     }
 
-    fn skip_line(&mut self) {
-        self.at += self.rest().find(['\n', '\r']).unwrap_or(self.rest().len());
+    fn push_integer(&mut self, start: usize, value: f64) {
+        let integer = true;
+        self.push(start, Token::Number { value, integer });
     }
 
-    fn end_line(&mut self, start: usize) {
-        let blank = matches!(
-            self.tokens.last(),
-            None | Some(SpannedToken {
-                token: Token::Line,
-                ..
-            })
-        );
+    /// Reports what stands from `start` to here.
+    fn report(&mut self, code: &'static str, start: usize, message: String, help: &str) {
+        let span = self.scanner.span_from(start);
+        self.diagnostics
+            .push(Diagnostic::error(code, span, message).help(help));
+    }
+
+    fn end_line(&mut self, span: Span) {
+        let blank = self.tokens.last().is_none_or(|t| t.token == Token::Line);
         if !blank {
-            let span = Span::new(self.file, start as u32, start as u32);
             let token = Token::Line;
             self.tokens.push(SpannedToken { token, span });
         }
     }
 
     fn run(&mut self) {
-        if self.text.starts_with('\u{feff}') {
-            self.at = '\u{feff}'.len_utf8();
-        }
         let mut line_begins = true;
-        while let Some(c) = self.rest().chars().next() {
-            let start = self.at;
+        while let Some(c) = self.scanner.peek() {
+            let start = self.scanner.at();
+            let here = self.scanner.span_from(start);
             let begins = std::mem::replace(&mut line_begins, false);
             match c {
                 '\n' | '\r' => {
-                    self.at += 1;
-                    self.end_line(start);
+                    self.scanner.take(1);
+                    self.end_line(here);
                     line_begins = true;
                 }
-                ';' => self.skip_line(),
+                ';' => {
+                    self.scanner.take_line();
+                }
                 // Header lines: &ACCESS, &REL, &PARAM.
-                '&' if begins => self.skip_line(),
+                '&' if begins => {
+                    self.scanner.take_line();
+                }
                 c if c.is_whitespace() || c == '\u{1a}' || c == '\0' => {
-                    self.at += c.len_utf8();
+                    self.scanner.take(c.len_utf8());
                     line_begins = begins;
                 }
                 c if c.is_alphabetic() || c == '_' || c == '$' => self.name(),
-                c if c.is_ascii_digit() => self.number(),
-                '.' if self.rest()[1..].starts_with(|c: char| c.is_ascii_digit()) => self.number(),
+                _ if self.scanner.is_at_number() => {
+                    let (value, integer) = self.scanner.take_number();
+                    self.push(start, Token::Number { value, integer });
+                }
                 '"' => self.string(),
                 '\'' => self.based_number(),
-                '#' => {
-                    self.at += 1;
-                    self.push(start, Token::Mark("#"));
-                }
                 c => {
-                    if let Some(mark) = MARKS.iter().find(|m| self.rest().starts_with(**m)) {
-                        self.at += mark.len();
+                    if let Some(mark) = self.scanner.take_any(&MARKS) {
                         self.push(start, Token::Mark(mark));
                     } else {
-                        self.at += c.len_utf8();
-                        let span = self.span(start);
+                        self.scanner.take(c.len_utf8());
                         self.diagnostics.push(Diagnostic::error(
                             "KRL0001",
-                            span,
+                            self.scanner.span_from(start),
                             format!("the character {c:?} has no meaning here"),
                         ));
                     }
                 }
             }
         }
-        let end = self.at;
-        self.end_line(end);
+        let end = self.scanner.at();
+        self.end_line(self.scanner.span_from(end));
         self.push(end, Token::End);
     }
 
     fn name(&mut self) {
-        let start = self.at;
-        let length = self.rest().find(|c| !in_name(c));
-        self.at += length.unwrap_or(self.rest().len());
-        let name = self.text[start..self.at].to_owned();
+        let start = self.scanner.at();
+        let name = self.scanner.take_while(in_name);
         // The system's own variables may be longer.
         if name.chars().count() > NAME_LIMIT && !name.starts_with('$') {
-            let span = self.span(start);
-            self.diagnostics.push(
-                Diagnostic::error(
-                    "KRL0003",
-                    span,
-                    format!("the name {name} is longer than {NAME_LIMIT} characters"),
-                )
-                .help("shorten it; the controller refuses longer names"),
+            self.report(
+                "KRL0003",
+                start,
+                format!("the name {name} is longer than {NAME_LIMIT} characters"),
+                "shorten it; the controller refuses longer names",
             );
         }
-        self.push(start, Token::Name(name));
-    }
-
-    fn number(&mut self) {
-        let start = self.at;
-        let bytes = self.text.as_bytes();
-        let digit = |i: usize| bytes.get(i).is_some_and(u8::is_ascii_digit);
-        let mut integer = true;
-        while digit(self.at) {
-            self.at += 1;
-        }
-        if bytes.get(self.at) == Some(&b'.') {
-            integer = false;
-            self.at += 1;
-            while digit(self.at) {
-                self.at += 1;
-            }
-        }
-        if matches!(bytes.get(self.at), Some(b'e' | b'E')) {
-            let sign = usize::from(matches!(bytes.get(self.at + 1), Some(b'+' | b'-')));
-            if digit(self.at + 1 + sign) {
-                integer = false;
-                self.at += 1 + sign;
-                while digit(self.at) {
-                    self.at += 1;
-                }
-            }
-        }
-        let text = &self.text[start..self.at];
-        if integer {
-            let value = text.parse::<i64>().unwrap_or(i64::MAX);
-            self.push(start, Token::Integer(value));
-        } else {
-            // Digits, point and exponent as above always read as a number.
-            let value = text.parse().unwrap_or(f64::NAN);
-            self.push(start, Token::Real(value));
-        }
+        self.push(start, Token::Name(name.to_owned()));
     }
 
     /// `'H1F'`, `'B0101'`.
     fn based_number(&mut self) {
-        let start = self.at;
-        let body = &self.rest()[1..];
+        let start = self.scanner.at();
+        let body = &self.scanner.rest()[1..];
         let radix = match body.bytes().next().map(|b| b.to_ascii_lowercase()) {
             Some(b'h') => 16,
             Some(b'b') => 2,
@@ -207,37 +133,39 @@ impl Lexer<'_> {
             && let Some(end) = body.find('\'')
             && let Ok(value) = u32::from_str_radix(&body[1..end], radix)
         {
-            self.at += end + 2;
+            self.scanner.take(end + 2);
             // All 32 bits may be written; the first is the sign.
-            self.push(start, Token::Integer(i64::from(value as i32)));
+            self.push_integer(start, f64::from(value as i32));
             return;
         }
         let length = body.find(|c: char| !c.is_alphanumeric());
         let length = length.unwrap_or(body.len());
-        self.at += 1 + length + usize::from(body[length..].starts_with('\''));
-        self.push(start, Token::Integer(0));
-        let span = self.span(start);
-        self.diagnostics.push(
-            Diagnostic::error("KRL0005", span, "this is no hexadecimal or binary number")
-                .help("write 'H1F' or 'B0101', of at most 32 bits"),
+        self.scanner
+            .take(1 + length + usize::from(body[length..].starts_with('\'')));
+        self.push_integer(start, 0.0);
+        self.report(
+            "KRL0005",
+            start,
+            "this is no hexadecimal or binary number".into(),
+            "write 'H1F' or 'B0101', of at most 32 bits",
         );
     }
 
     fn string(&mut self) {
-        let start = self.at;
-        let body = &self.rest()[1..];
-        let line = &body[..body.find(['\n', '\r']).unwrap_or(body.len())];
-        let closed = line.find('"');
-        let value = line[..closed.unwrap_or(line.len())].to_owned();
-        self.at += 1 + value.len() + usize::from(closed.is_some());
-        if closed.is_none() {
-            let span = self.span(start);
-            self.diagnostics.push(
-                Diagnostic::error("KRL0002", span, "the string is not closed on its line")
-                    .help("add a double quote"),
+        let start = self.scanner.at();
+        self.scanner.take(1);
+        let in_text = |c: char| !matches!(c, '"' | '\n' | '\r');
+        let value = self.scanner.take_while(in_text).to_owned();
+        let closed = self.scanner.take_any(&["\""]).is_some();
+        if !closed {
+            self.report(
+                "KRL0002",
+                start,
+                "the string is not closed on its line".into(),
+                "add a double quote",
             );
         }
-        let closes_call = closed.is_none() && value.ends_with(')');
+        let closes_call = !closed && value.ends_with(')');
         self.push(start, Token::Text(value));
         if closes_call {
             self.push(start, Token::Mark(")"));

@@ -1,6 +1,5 @@
-use depal_vm::Span;
+use depal_syntax::{Span, Token};
 
-use super::lexer::Token;
 use super::parser::Parser;
 use super::tree::*;
 

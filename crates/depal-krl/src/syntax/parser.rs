@@ -1,7 +1,9 @@
-use depal_vm::{Diagnostic, Span};
+use std::ops::{Deref, DerefMut};
+
+use depal_syntax::{Diagnostic, Name, Span, Token, Tokens};
 
 use super::keywords::{ENDERS, ROUTINE_ENDERS, is_any, is_keyword};
-use super::lexer::{SpannedToken, Token, lex};
+use super::lexer::lex;
 use super::tree::*;
 
 /// Reads one file. The tree holds whatever could be read.
@@ -13,13 +15,10 @@ pub(crate) fn parse(
 ) -> File {
     let tokens = lex(file, text, diagnostics);
     let mut parser = Parser {
-        tokens,
-        at: 0,
-        diagnostics,
+        tokens: Tokens::new(tokens, "KRL0010", diagnostics),
         depth: 0,
         operators: 0,
         open: Vec::new(),
-        reported_at: None,
     };
     parser.file(kind)
 }
@@ -31,137 +30,35 @@ const DEPTH_LIMIT: usize = 64;
 const OPERATOR_LIMIT: usize = 256;
 
 pub(super) struct Parser<'a> {
-    tokens: Vec<SpannedToken>,
-    at: usize,
-    pub(super) diagnostics: &'a mut Vec<Diagnostic>,
+    tokens: Tokens<'a>,
     depth: usize,
     /// Operators of the expression being read.
     operators: usize,
     /// Words that the blocks being read end with.
     open: Vec<&'static [&'static str]>,
-    reported_at: Option<usize>,
+}
+
+/// The grammar reads its tokens as if they were its own: `self.maybe_word("IF")`.
+impl<'a> Deref for Parser<'a> {
+    type Target = Tokens<'a>;
+
+    fn deref(&self) -> &Tokens<'a> {
+        &self.tokens
+    }
+}
+
+impl DerefMut for Parser<'_> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.tokens
+    }
 }
 
 impl Parser<'_> {
-    fn token(&self, ahead: usize) -> &SpannedToken {
-        &self.tokens[(self.at + ahead).min(self.tokens.len() - 1)]
-    }
-
-    pub(super) fn peek(&self) -> &Token {
-        &self.token(0).token
-    }
-
-    pub(super) fn peek_after(&self, ahead: usize) -> &Token {
-        &self.token(ahead).token
-    }
-
-    pub(super) fn span(&self) -> Span {
-        self.token(0).span
-    }
-
-    pub(super) fn last_span(&self) -> Span {
-        self.tokens[self.at.saturating_sub(1).min(self.tokens.len() - 1)].span
-    }
-
-    pub(super) fn position(&self) -> usize {
-        self.at
-    }
-
-    pub(super) fn advance(&mut self) {
-        if self.at + 1 < self.tokens.len() {
-            self.at += 1;
-        }
-    }
-
-    pub(super) fn is_end(&self) -> bool {
-        matches!(self.peek(), Token::End)
-    }
-
     pub(super) fn is_line_end(&self) -> bool {
         matches!(self.peek(), Token::Line | Token::End)
     }
 
-    pub(super) fn is_word(&self, word: &str) -> bool {
-        matches!(self.peek(), Token::Name(name) if name.eq_ignore_ascii_case(word))
-    }
-
-    pub(super) fn is_any_word(&self, words: &[&str]) -> bool {
-        matches!(self.peek(), Token::Name(name) if is_any(name, words))
-    }
-
-    pub(super) fn maybe_word(&mut self, word: &str) -> bool {
-        let found = self.is_word(word);
-        if found {
-            self.advance();
-        }
-        found
-    }
-
-    pub(super) fn is_mark(&self, mark: &str) -> bool {
-        matches!(self.peek(), Token::Mark(found) if *found == mark)
-    }
-
-    pub(super) fn maybe_mark(&mut self, mark: &str) -> bool {
-        let found = self.is_mark(mark);
-        if found {
-            self.advance();
-        }
-        found
-    }
-
-    pub(super) fn describe(&self) -> String {
-        match self.peek() {
-            Token::Name(name) => name.clone(),
-            Token::Integer(value) => format!("the number {value}"),
-            Token::Real(value) => format!("the number {value}"),
-            Token::Text(_) => "a string".into(),
-            Token::Mark(mark) => format!("`{mark}`"),
-            Token::Line => "the end of the line".into(),
-            Token::End => "the end of the file".into(),
-        }
-    }
-
-    /// Reports at the current token, once for each place.
-    pub(super) fn report(&mut self, code: &'static str, message: String) {
-        let span = self.span();
-        self.report_with(Diagnostic::error(code, span, message));
-    }
-
-    pub(super) fn report_with(&mut self, diagnostic: Diagnostic) {
-        if self.reported_at != Some(self.at) {
-            self.reported_at = Some(self.at);
-            self.diagnostics.push(diagnostic);
-        }
-    }
-
-    pub(super) fn expect_mark(&mut self, mark: &str, why: &str) -> bool {
-        if self.maybe_mark(mark) {
-            return true;
-        }
-        let found = self.describe();
-        // A missing mark belongs behind what was read last, not before the next line.
-        let previous = self.last_span();
-        let span = Span::new(previous.file, previous.end, previous.end);
-        let diagnostic = Diagnostic::error(
-            "KRL0010",
-            span,
-            format!("expected `{mark}` {why}, found {found}"),
-        )
-        .label(format!("`{mark}` is missing here"));
-        self.report_with(diagnostic);
-        false
-    }
-
-    pub(super) fn expect_word(&mut self, word: &str, why: &str) -> bool {
-        if self.maybe_word(word) {
-            return true;
-        }
-        let found = self.describe();
-        self.report("KRL0010", format!("expected {word} {why}, found {found}"));
-        false
-    }
-
-    /// As [`expect_mark`](Self::expect_mark) for the second of a pair, with the place of the first.
+    /// As [`expect_mark`](Tokens::expect_mark) for the second of a pair, with the place of the first.
     pub(super) fn expect_closing(&mut self, mark: &str, opening: Span, what: &str) -> bool {
         if self.maybe_mark(mark) {
             return true;
@@ -178,27 +75,11 @@ impl Parser<'_> {
     }
 
     pub(super) fn expect_name(&mut self, what: &str) -> Option<Name> {
-        if let Token::Name(text) = self.peek()
-            && !is_keyword(text)
-        {
-            let text = text.clone();
-            let span = self.span();
-            self.advance();
-            return Some(Name { text, span });
+        let name = self.maybe_name(is_keyword);
+        if name.is_none() {
+            self.report_no_name("KRL0011", what);
         }
-        let found = self.describe();
-        let mut diagnostic = Diagnostic::error(
-            "KRL0011",
-            self.span(),
-            format!("expected {what}, found {found}"),
-        );
-        if matches!(self.peek(), Token::Name(_)) {
-            diagnostic = diagnostic
-                .label("a reserved word")
-                .help("a reserved word cannot be a name; if it is meant as one, choose another");
-        }
-        self.report_with(diagnostic);
-        None
+        name
     }
 
     /// Enters a level of nesting; `None` (reported) when there are too many.
@@ -237,8 +118,7 @@ impl Parser<'_> {
     /// The end of a statement. What is left on the line is reported and skipped.
     pub(super) fn expect_line_end(&mut self) {
         self.operators = 0;
-        let begins_line = self.at > 0 && matches!(self.tokens[self.at - 1].token, Token::Line);
-        if begins_line {
+        if self.last() == Some(&Token::Line) {
             // A block that is not ended left the next line unread.
             return;
         }
@@ -281,12 +161,12 @@ impl Parser<'_> {
                 self.skip_line();
                 continue;
             }
-            let before = self.at;
+            let before = self.position();
             match self.nested(Self::statement) {
                 Some(statement) => statements.push(statement),
                 None => self.skip_line(),
             }
-            if self.at == before {
+            if self.position() == before {
                 self.advance();
             }
         }

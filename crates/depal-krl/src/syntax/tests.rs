@@ -1,4 +1,4 @@
-use depal_vm::Span;
+use depal_syntax::Span;
 use proptest::prelude::*;
 
 use super::parser::parse;

@@ -1,25 +1,7 @@
 //! What a program says. Places do not take part in comparisons, so that trees can be compared.
 
-use depal_vm::Span;
-
-/// A name as spelled, with its place.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Name {
-    pub(crate) text: String,
-    pub(crate) span: Span,
-}
-
-impl Name {
-    pub(crate) fn key(&self) -> String {
-        self.text.to_lowercase()
-    }
-}
-
-impl PartialEq for Name {
-    fn eq(&self, other: &Self) -> bool {
-        self.text == other.text
-    }
-}
+pub(crate) use depal_syntax::Name;
+use depal_syntax::Node;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FileKind {
@@ -106,17 +88,7 @@ pub(crate) enum Declaration {
     },
 }
 
-#[derive(Debug, Clone)]
-pub(crate) struct Statement {
-    pub(crate) kind: StatementKind,
-    pub(crate) span: Span,
-}
-
-impl PartialEq for Statement {
-    fn eq(&self, other: &Self) -> bool {
-        self.kind == other.kind
-    }
-}
+pub(crate) type Statement = Node<StatementKind>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum InterruptAction {
@@ -275,17 +247,7 @@ pub(crate) enum StatementKind {
     Broken,
 }
 
-#[derive(Debug, Clone)]
-pub(crate) struct Expression {
-    pub(crate) kind: ExpressionKind,
-    pub(crate) span: Span,
-}
-
-impl PartialEq for Expression {
-    fn eq(&self, other: &Self) -> bool {
-        self.kind == other.kind
-    }
-}
+pub(crate) type Expression = Node<ExpressionKind>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Operator {

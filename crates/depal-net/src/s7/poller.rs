@@ -84,7 +84,7 @@ impl Poller {
                     self.handshake.handle_read(self.clock.now(), &bytes);
                 }
                 Some(Transfer::Write { first, bytes }) => {
-                    client.write(first, &bytes).await?;
+                    client.write(first, bytes).await?;
                     self.handshake.handle_written(self.clock.now());
                     // The controller reads and writes: whatever was wrong is over.
                     if !is_announced {

@@ -1,4 +1,4 @@
-use depal_vm::Diagnostic;
+use depal_syntax::Diagnostic;
 
 use super::keywords::{DECLARATION, MODULE_ATTRIBUTES};
 use super::parser::Parser;

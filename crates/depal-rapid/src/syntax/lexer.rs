@@ -1,24 +1,4 @@
-use depal_vm::{Diagnostic, Span};
-
-/// A token. Keywords are names; the parser compares them without regard to case.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Token {
-    Name(String),
-    Number {
-        value: f64,
-        integer: bool,
-    },
-    Text(String),
-    /// An operator or a mark: `:=`, `<>`, `;`.
-    Mark(&'static str),
-    End,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct SpannedToken {
-    pub(crate) token: Token,
-    pub(crate) span: Span,
-}
+use depal_syntax::{Diagnostic, Scanner, SpannedToken, Token};
 
 /// Longest first, so that `:=` wins over `:`.
 const MARKS: [&str; 26] = [
@@ -26,12 +6,16 @@ const MARKS: [&str; 26] = [
     ";", ":", ".", "?", "|", "\\", "%", "@",
 ];
 
+/// Longest name.
+const NAME_LIMIT: usize = 32;
+
+/// Longest string.
+const TEXT_LIMIT: usize = 80;
+
 /// Cuts a text into tokens. Never fails: what is no token is reported and skipped.
 pub(crate) fn lex(file: u32, text: &str, diagnostics: &mut Vec<Diagnostic>) -> Vec<SpannedToken> {
     let mut lexer = Lexer {
-        file,
-        text,
-        at: 0,
+        scanner: Scanner::new(file, text),
         tokens: Vec::new(),
         diagnostics,
     };
@@ -40,189 +24,140 @@ pub(crate) fn lex(file: u32, text: &str, diagnostics: &mut Vec<Diagnostic>) -> V
 }
 
 struct Lexer<'a> {
-    file: u32,
-    text: &'a str,
-    at: usize,
+    scanner: Scanner<'a>,
     tokens: Vec<SpannedToken>,
     diagnostics: &'a mut Vec<Diagnostic>,
 }
 
 impl Lexer<'_> {
-    fn rest(&self) -> &str {
-        &self.text[self.at..]
-    }
-
-    fn span(&self, start: usize) -> Span {
-        Span::new(self.file, start as u32, self.at as u32)
-    }
-
     fn push(&mut self, start: usize, token: Token) {
-        let span = self.span(start);
+        let span = self.scanner.span_from(start);
         self.tokens.push(SpannedToken { token, span });
     }
 
+    /// What is wrong from `start` to here.
+    fn report(&mut self, code: &'static str, start: usize, message: impl Into<String>) {
+        let span = self.scanner.span_from(start);
+        self.diagnostics.push(Diagnostic::error(code, span, message));
+    }
+
+    /// As [`report`](Self::report), with how to mend it.
+    fn report_with_help(
+        &mut self,
+        code: &'static str,
+        start: usize,
+        message: impl Into<String>,
+        help: &str,
+    ) {
+        let span = self.scanner.span_from(start);
+        self.diagnostics
+            .push(Diagnostic::error(code, span, message).help(help));
+    }
+
     fn run(&mut self) {
-        if self.text.starts_with('\u{feff}') {
-            self.at = '\u{feff}'.len_utf8();
-        }
         self.skip_header();
-        while let Some(c) = self.rest().chars().next() {
-            let start = self.at;
+        while let Some(c) = self.scanner.peek() {
+            let start = self.scanner.at();
             if c.is_whitespace() || c == '\u{1a}' {
-                self.at += c.len_utf8();
+                self.scanner.take(c.len_utf8());
             } else if c == '!' {
-                self.at += self.rest().find('\n').unwrap_or(self.rest().len());
+                self.scanner.take_while(|c| c != '\n');
             } else if c.is_alphabetic() || c == '_' {
-                let length = self
-                    .rest()
-                    .find(|c: char| !(c.is_alphanumeric() || c == '_'))
-                    .unwrap_or(self.rest().len());
-                self.at += length;
-                let name = self.text[start..self.at].to_owned();
-                if name.chars().count() > 32 {
-                    let span = self.span(start);
-                    self.diagnostics.push(
-                        Diagnostic::error(
-                            "RAPID0003",
-                            span,
-                            format!("the name {name} is longer than 32 characters"),
-                        )
-                        .help("shorten it; the controller refuses longer names"),
-                    );
-                }
-                self.push(start, Token::Name(name));
-            } else if c.is_ascii_digit()
-                || (c == '.' && self.rest()[1..].starts_with(|c: char| c.is_ascii_digit()))
-            {
+                self.name();
+            } else if self.scanner.is_at_number() {
                 self.number();
             } else if c == '"' {
                 self.string();
-            } else if let Some(mark) = MARKS.iter().find(|m| self.rest().starts_with(**m)) {
-                self.at += mark.len();
+            } else if let Some(mark) = self.scanner.take_any(&MARKS) {
                 self.push(start, Token::Mark(mark));
             } else {
-                self.at += c.len_utf8();
-                let span = self.span(start);
-                self.diagnostics.push(Diagnostic::error(
-                    "RAPID0001",
-                    span,
-                    format!("the character {c:?} has no meaning here"),
-                ));
+                self.scanner.take(c.len_utf8());
+                let message = format!("the character {c:?} has no meaning here");
+                self.report("RAPID0001", start, message);
             }
         }
-        let start = self.at;
-        self.push(start, Token::End);
+        let end = self.scanner.at();
+        self.push(end, Token::End);
     }
 
     /// The old `%%% VERSION:1 LANGUAGE:ENGLISH %%%` header.
     fn skip_header(&mut self) {
-        let rest = self.rest();
+        let rest = self.scanner.rest();
         let blank = rest.len() - rest.trim_start().len();
         if let Some(header) = rest[blank..].strip_prefix("%%%")
             && let Some(end) = header.find("%%%")
         {
-            self.at += blank + 3 + end + 3;
+            self.scanner.take(blank + 3 + end + 3);
         }
+    }
+
+    fn name(&mut self) {
+        let start = self.scanner.at();
+        let in_name = |c: char| c.is_alphanumeric() || c == '_';
+        let name = self.scanner.take_while(in_name);
+        if name.chars().count() > NAME_LIMIT {
+            self.report_with_help(
+                "RAPID0003",
+                start,
+                format!("the name {name} is longer than {NAME_LIMIT} characters"),
+                "shorten it; the controller refuses longer names",
+            );
+        }
+        self.push(start, Token::Name(name.to_owned()));
     }
 
     fn number(&mut self) {
-        let start = self.at;
-        let bytes = self.text.as_bytes();
-        let digit = |i: usize| bytes.get(i).is_some_and(u8::is_ascii_digit);
-        if bytes[start] == b'0' {
-            let radix = match bytes.get(start + 1).map(u8::to_ascii_lowercase) {
-                Some(b'x') => 16,
-                Some(b'o') => 8,
-                Some(b'b') => 2,
-                _ => 10,
-            };
-            if radix != 10 {
-                let body = &self.text[start + 2..];
-                let length = body
-                    .find(|c: char| !c.is_digit(radix))
-                    .unwrap_or(body.len());
-                if let Ok(value) = u64::from_str_radix(&body[..length], radix) {
-                    self.at += 2 + length;
-                    let value = value as f64;
-                    self.push(
-                        start,
-                        Token::Number {
-                            value,
-                            integer: true,
-                        },
-                    );
-                    return;
-                }
-            }
-        }
-        let mut integer = true;
-        while digit(self.at) {
-            self.at += 1;
-        }
-        if bytes.get(self.at) == Some(&b'.') {
-            integer = false;
-            self.at += 1;
-            while digit(self.at) {
-                self.at += 1;
-            }
-        }
-        if matches!(bytes.get(self.at), Some(b'e' | b'E')) {
-            let sign = usize::from(matches!(bytes.get(self.at + 1), Some(b'+' | b'-')));
-            if digit(self.at + 1 + sign) {
-                integer = false;
-                self.at += 1 + sign;
-                while digit(self.at) {
-                    self.at += 1;
-                }
-            }
-        }
-        // Digits, point and exponent as above always read as a number.
-        let value = self.text[start..self.at].parse().unwrap_or(f64::NAN);
+        let start = self.scanner.at();
+        let (value, integer) = match self.based_number() {
+            Some(value) => (value, true),
+            None => self.scanner.take_number(),
+        };
         self.push(start, Token::Number { value, integer });
     }
 
+    /// `0x1F`, `0o17`, `0b0101`.
+    fn based_number(&mut self) -> Option<f64> {
+        let body = self.scanner.rest().strip_prefix('0')?;
+        let radix = match body.bytes().next()?.to_ascii_lowercase() {
+            b'x' => 16,
+            b'o' => 8,
+            b'b' => 2,
+            _ => return None,
+        };
+        let digits = &body[1..];
+        let length = digits.find(|c: char| !c.is_digit(radix));
+        let digits = &digits[..length.unwrap_or(digits.len())];
+        let value = u64::from_str_radix(digits, radix).ok()?;
+        self.scanner.take(2 + digits.len());
+        Some(value as f64)
+    }
+
     fn string(&mut self) {
-        let start = self.at;
-        self.at += 1;
+        let start = self.scanner.at();
+        self.scanner.take(1);
         let mut value = String::new();
-        let mut closed = true;
-        loop {
-            let Some(c) = self.rest().chars().next() else {
-                closed = false;
-                break;
-            };
-            match c {
-                '"' if self.rest().starts_with("\"\"") => {
-                    value.push('"');
-                    self.at += 2;
-                }
-                '"' => {
-                    self.at += 1;
-                    break;
-                }
-                '\n' | '\r' => {
-                    closed = false;
-                    break;
-                }
-                '\\' => self.escape(&mut value),
-                c => {
-                    value.push(c);
-                    self.at += c.len_utf8();
-                }
+        let closed = loop {
+            value.push_str(self.scanner.take_while(|c| !matches!(c, '"' | '\\' | '\n' | '\r')));
+            match self.scanner.take_any(&["\"\"", "\""]) {
+                Some("\"\"") => value.push('"'),
+                Some(_) => break true,
+                None if self.scanner.peek() == Some('\\') => self.escape(&mut value),
+                None => break false,
             }
-        }
+        };
         let length = value.chars().count();
-        if length > 80 {
-            let span = self.span(start);
-            self.diagnostics.push(Diagnostic::error(
-                "RAPID0004",
-                span,
-                format!("the string has {length} characters, at most 80 fit"),
-            ));
+        if length > TEXT_LIMIT {
+            let message = format!("the string has {length} characters, at most {TEXT_LIMIT} fit");
+            self.report("RAPID0004", start, message);
         }
         self.push(start, Token::Text(value.clone()));
         if !closed {
-            self.unclosed(start);
+            self.report_with_help(
+                "RAPID0002",
+                start,
+                "the string is not closed on its line",
+                "add a double quote; a double quote inside a string is written twice",
+            );
             // What ends the line is most likely the end of the statement.
             if value.ends_with(");") {
                 self.push(start, Token::Mark(")"));
@@ -234,37 +169,24 @@ impl Lexer<'_> {
     }
 
     fn escape(&mut self, value: &mut String) {
-        let start = self.at;
-        let rest = self.rest();
+        let start = self.scanner.at();
+        let rest = self.scanner.rest();
+        let code = rest.get(1..3).map(|hex| u8::from_str_radix(hex, 16));
         if rest.starts_with("\\\\") {
             value.push('\\');
-            self.at += 2;
-        } else if let Some(code) = rest
-            .get(1..3)
-            .and_then(|hex| u8::from_str_radix(hex, 16).ok())
-        {
+            self.scanner.take(2);
+        } else if let Some(Ok(code)) = code {
             value.push(char::from(code));
-            self.at += 3;
+            self.scanner.take(3);
         } else {
             value.push('\\');
-            self.at += 1;
-            let span = self.span(start);
-            self.diagnostics.push(
-                Diagnostic::error(
-                    "RAPID0005",
-                    span,
-                    "a backslash in a string begins an escape",
-                )
-                .help("write \\\\ for a backslash, or \\ and two hexadecimal digits: \"\\0D\""),
+            self.scanner.take(1);
+            self.report_with_help(
+                "RAPID0005",
+                start,
+                "a backslash in a string begins an escape",
+                "write \\\\ for a backslash, or \\ and two hexadecimal digits: \"\\0D\"",
             );
         }
-    }
-
-    fn unclosed(&mut self, start: usize) {
-        let span = self.span(start);
-        self.diagnostics.push(
-            Diagnostic::error("RAPID0002", span, "the string is not closed on its line")
-                .help("add a double quote; a double quote inside a string is written twice"),
-        );
     }
 }

@@ -1,4 +1,4 @@
-use depal_vm::{Diagnostic, Span};
+use depal_syntax::{Diagnostic, Span};
 
 use super::keywords::{FRESH_START, ROUTINE_END};
 use super::parser::Parser;

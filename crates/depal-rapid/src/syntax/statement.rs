@@ -1,7 +1,6 @@
-use depal_vm::{Diagnostic, Span};
+use depal_syntax::{Diagnostic, Span, Token};
 
 use super::keywords::BLOCK_END;
-use super::lexer::Token;
 use super::parser::Parser;
 use super::tree::*;
 

@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use depal_vm::Span;
+use depal_syntax::Span;
 use proptest::prelude::*;
 
 use super::parser::parse;

@@ -1,37 +1,5 @@
-use depal_vm::Span;
-
-/// A name with its place.
-#[derive(Debug, Clone)]
-pub(crate) struct Name {
-    pub(crate) text: String,
-    pub(crate) span: Span,
-}
-
-impl Name {
-    /// The name as it is compared: lower case.
-    pub(crate) fn key(&self) -> String {
-        self.text.to_lowercase()
-    }
-}
-
-// Trees are equal if they say the same, wherever it stands.
-impl PartialEq for Name {
-    fn eq(&self, other: &Self) -> bool {
-        self.text == other.text
-    }
-}
-
-impl PartialEq for Statement {
-    fn eq(&self, other: &Self) -> bool {
-        self.kind == other.kind
-    }
-}
-
-impl PartialEq for Expression {
-    fn eq(&self, other: &Self) -> bool {
-        self.kind == other.kind
-    }
-}
+pub(crate) use depal_syntax::Name;
+use depal_syntax::{Node, Span};
 
 /// A module, its declarations by kind, each kind in the order of the source.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,11 +95,7 @@ pub(crate) struct Handler {
     pub(crate) body: Vec<Statement>,
 }
 
-#[derive(Debug, Clone)]
-pub(crate) struct Statement {
-    pub(crate) kind: StatementKind,
-    pub(crate) span: Span,
-}
+pub(crate) type Statement = Node<StatementKind>;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum StatementKind {
@@ -184,11 +148,7 @@ pub(crate) enum StatementKind {
     Broken,
 }
 
-#[derive(Debug, Clone)]
-pub(crate) struct Expression {
-    pub(crate) kind: ExpressionKind,
-    pub(crate) span: Span,
-}
+pub(crate) type Expression = Node<ExpressionKind>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Operator {

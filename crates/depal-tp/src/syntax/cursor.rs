@@ -1,6 +1,6 @@
 //! A line's tokens, read from left to right.
 
-use depal_vm::{Diagnostic, Span};
+use depal_syntax::{Diagnostic, Span};
 
 use super::keywords::canonical;
 use super::lexer::{Kind, Token};

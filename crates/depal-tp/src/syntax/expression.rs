@@ -1,6 +1,6 @@
 //! Values, conditions, registers and signals.
 
-use depal_vm::Diagnostic;
+use depal_syntax::Diagnostic;
 
 use super::cursor::{Cursor, Parsed};
 use super::keywords::LOCALISED_ITEMS;

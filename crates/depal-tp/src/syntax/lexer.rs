@@ -1,6 +1,6 @@
 //! Lines of a listing, and the words in them.
 
-use depal_vm::{Diagnostic, Span};
+use depal_syntax::{Diagnostic, Scanner, Span};
 
 /// What a token is.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,9 +46,7 @@ pub(crate) fn tokens(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Vec<Token> {
     let mut lexer = Lexer {
-        file,
-        text: &text[..end],
-        at: start,
+        scanner: Scanner::within(file, text, start, end),
         depth: 0,
         tokens: Vec::new(),
     };
@@ -57,61 +55,43 @@ pub(crate) fn tokens(
 }
 
 struct Lexer<'a> {
-    file: u32,
-    text: &'a str,
-    at: usize,
+    scanner: Scanner<'a>,
     depth: usize,
     tokens: Vec<Token>,
 }
 
 impl Lexer<'_> {
-    fn rest(&self) -> &str {
-        &self.text[self.at..]
-    }
-
     fn push(&mut self, kind: Kind, start: usize) {
-        let span = Span::new(self.file, start as u32, self.at as u32);
+        let span = self.scanner.span_from(start);
         self.tokens.push(Token { kind, span });
-    }
-
-    fn take_while(&mut self, accept: impl Fn(char) -> bool) -> String {
-        let length: usize = self
-            .rest()
-            .chars()
-            .take_while(|c| accept(*c))
-            .map(char::len_utf8)
-            .sum();
-        let taken = self.rest()[..length].to_owned();
-        self.at += length;
-        taken
     }
 
     fn run(&mut self, diagnostics: &mut Vec<Diagnostic>) {
         let mut complained = false;
-        while let Some(c) = self.rest().chars().next() {
-            let start = self.at;
+        while let Some(c) = self.scanner.peek() {
+            let start = self.scanner.at();
             if c.is_whitespace() || c == '\0' || c == '\u{1a}' {
-                self.at += c.len_utf8();
+                self.scanner.take(c.len_utf8());
             } else if is_word_start(c) {
                 self.word(c);
-            } else if c.is_ascii_digit()
-                || (c == '.' && self.rest()[1..].starts_with(|d: char| d.is_ascii_digit()))
-            {
-                self.number();
+            } else if self.scanner.is_at_number() {
+                let (value, integer) = self.scanner.take_number();
+                let is_real = !integer;
+                self.push(Kind::Number { value, is_real }, start);
             } else if c == '\'' || c == '"' {
                 self.quoted(c, diagnostics);
-            } else if self.rest().starts_with("**") {
-                self.take_while(|c| c == '*');
+            } else if self.scanner.rest().starts_with("**") {
+                self.scanner.take_while(|c| c == '*');
                 self.push(Kind::Stars, start);
-            } else if let Some(symbol) = SYMBOLS.iter().find(|s| self.rest().starts_with(**s)) {
-                self.symbol(symbol, diagnostics);
+            } else if let Some(symbol) = self.scanner.take_any(&SYMBOLS) {
+                self.symbol(symbol, start, diagnostics);
             } else {
-                self.at += c.len_utf8();
+                self.scanner.take(c.len_utf8());
                 if !complained {
                     complained = true;
                     diagnostics.push(Diagnostic::error(
                         "TP0001",
-                        Span::new(self.file, start as u32, self.at as u32),
+                        self.scanner.span_from(start),
                         format!("the character {c:?} has no meaning here"),
                     ));
                 }
@@ -120,96 +100,69 @@ impl Lexer<'_> {
     }
 
     fn word(&mut self, first: char) {
-        let start = self.at;
-        let word = if first == '$' {
-            let mut word = self.take_while(|c| is_word(c) || matches!(c, '$' | '.'));
-            while word.ends_with('.') {
-                word.pop();
-                self.at -= 1;
-            }
-            word
-        } else {
-            self.take_while(is_word)
-        };
-        let upper = word.to_uppercase();
-        self.push(Kind::Word(word), start);
-        if matches!(upper.as_str(), "MESSAGE" | "MELDUNG") {
-            let blanks = self.rest().len() - self.rest().trim_start().len();
-            if self.rest()[blanks..].starts_with('[') {
-                let start = self.at + blanks + 1;
-                let end = self.text[start..].rfind(']').map(|i| start + i);
-                if let Some(end) = end {
-                    self.at = end;
-                    let text = self.text[start..end].to_owned();
-                    self.push(Kind::Text(text), start);
-                    self.at = end + 1;
-                }
-            }
+        let start = self.scanner.at();
+        let in_word = |c| is_word(c) || (first == '$' && matches!(c, '$' | '.'));
+        let rest = self.scanner.rest();
+        let length = rest.find(|c| !in_word(c)).unwrap_or(rest.len());
+        let word = self.scanner.take(rest[..length].trim_end_matches('.').len());
+        self.push(Kind::Word(word.to_owned()), start);
+        if matches!(word.to_uppercase().as_str(), "MESSAGE" | "MELDUNG") {
+            self.message();
         }
     }
 
-    fn number(&mut self) {
-        let start = self.at;
-        self.take_while(|c| c.is_ascii_digit());
-        let mut is_real = false;
-        if self.rest().starts_with('.') {
-            is_real = true;
-            self.at += 1;
-            self.take_while(|c| c.is_ascii_digit());
+    /// The text of a message in its brackets, up to the last one on the line.
+    fn message(&mut self) {
+        let rest = self.scanner.rest();
+        let body = rest.trim_start();
+        if let Some(body) = body.strip_prefix('[')
+            && let Some(length) = body.rfind(']')
+        {
+            self.scanner.take(rest.len() - body.len());
+            let start = self.scanner.at();
+            let text = self.scanner.take(length).to_owned();
+            self.push(Kind::Text(text), start);
+            self.scanner.take(1);
         }
-        // An exponent, but not the letter of a unit.
-        let bytes = self.rest().as_bytes();
-        if bytes.first().is_some_and(|b| matches!(b, b'e' | b'E')) {
-            let sign = usize::from(bytes.get(1).is_some_and(|b| matches!(b, b'+' | b'-')));
-            if bytes.get(1 + sign).is_some_and(u8::is_ascii_digit) {
-                is_real = true;
-                self.at += 1 + sign;
-                self.take_while(|c| c.is_ascii_digit());
-            }
-        }
-        let value = self.text[start..self.at].parse().unwrap_or(0.0);
-        self.push(Kind::Number { value, is_real }, start);
     }
 
     fn quoted(&mut self, quote: char, diagnostics: &mut Vec<Diagnostic>) {
-        let start = self.at;
-        self.at += 1;
-        let text = self.take_while(|c| c != quote && c != '\n' && c != '\r');
-        if self.rest().starts_with(quote) {
-            self.at += 1;
+        let start = self.scanner.at();
+        self.scanner.take(1);
+        let in_text = |c| c != quote && c != '\n' && c != '\r';
+        let text = self.scanner.take_while(in_text).to_owned();
+        if self.scanner.peek() == Some(quote) {
+            self.scanner.take(1);
         } else {
             diagnostics.push(Diagnostic::error(
                 "TP0002",
-                Span::new(self.file, start as u32, self.at as u32),
+                self.scanner.span_from(start),
                 "the text has no closing quote on its line",
             ));
         }
         self.push(Kind::Text(text), start);
     }
 
-    fn symbol(&mut self, symbol: &'static str, diagnostics: &mut Vec<Diagnostic>) {
-        let start = self.at;
+    /// A symbol that was taken.
+    fn symbol(&mut self, symbol: &'static str, start: usize, diagnostics: &mut Vec<Diagnostic>) {
         // `PR[GP1:5]` names a motion group; any other colon in brackets begins a comment.
         if symbol == ":" && self.depth > 0 {
             let group = matches!(self.tokens.last(), Some(Token { kind: Kind::Word(word), .. })
                 if is_group(word));
-            if group {
-                if let Some(Token {
-                    kind: Kind::Word(word),
-                    span,
-                }) = self.tokens.pop()
-                    && !word.ends_with(['P', 'p', '1'])
-                {
-                    let message = format!("{word}: there is one motion group, GP1");
-                    diagnostics.push(Diagnostic::error("TP0003", span, message));
-                }
-                self.at += 1;
-            } else {
-                self.take_while(|c| c != ']' && c != '\n' && c != '\r');
+            if !group {
+                let in_comment = |c| c != ']' && c != '\n' && c != '\r';
+                self.scanner.take_while(in_comment);
+            } else if let Some(Token {
+                kind: Kind::Word(word),
+                span,
+            }) = self.tokens.pop()
+                && !word.ends_with(['P', 'p', '1'])
+            {
+                let message = format!("{word}: there is one motion group, GP1");
+                diagnostics.push(Diagnostic::error("TP0003", span, message));
             }
             return;
         }
-        self.at += symbol.len();
         match symbol {
             "[" => self.depth += 1,
             "]" => self.depth = self.depth.saturating_sub(1),

@@ -1,6 +1,6 @@
 //! Sections and lines of a listing.
 
-use depal_vm::{Diagnostic, Span};
+use depal_syntax::{Diagnostic, Span};
 
 use super::cursor::Cursor;
 use super::lexer::{Kind, Token, tokens};

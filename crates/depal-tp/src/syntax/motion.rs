@@ -1,6 +1,6 @@
 //! Motion instructions.
 
-use depal_vm::Diagnostic;
+use depal_syntax::Diagnostic;
 
 use super::cursor::{Cursor, Parsed};
 use super::lexer::Kind;

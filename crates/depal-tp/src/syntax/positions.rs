@@ -1,6 +1,6 @@
 //! The section /POS.
 
-use depal_vm::{Diagnostic, Span};
+use depal_syntax::{Diagnostic, Span};
 
 use super::cursor::{Cursor, Parsed};
 use super::lexer::{Kind, Token};

@@ -1,6 +1,6 @@
 //! One instruction.
 
-use depal_vm::{Diagnostic, Span};
+use depal_syntax::{Diagnostic, Span};
 
 use super::cursor::{Cursor, Parsed};
 use super::keywords::STATEMENTS;

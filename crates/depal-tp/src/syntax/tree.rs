@@ -1,6 +1,6 @@
 //! A listing as a tree.
 
-use depal_vm::Span;
+use depal_syntax::Span;
 
 /// A value with its place.
 #[derive(Debug, Clone, PartialEq)]

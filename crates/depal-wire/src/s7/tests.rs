@@ -1,4 +1,5 @@
 mod block;
+mod client;
 mod golden;
 mod laws;
 mod offered_block;

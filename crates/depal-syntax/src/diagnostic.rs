@@ -123,6 +123,13 @@ impl Diagnostic {
     }
 }
 
+/// Messages by file and place, each once.
+pub fn in_order(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    diagnostics.sort_by_key(|d| (d.primary.span.file, d.primary.span.start, d.severity));
+    diagnostics.dedup();
+    diagnostics
+}
+
 fn place(files: &[SourceFile], span: Span) -> String {
     match files.get(span.file as usize) {
         Some(file) => format!("{}:{}", file.name, file.line_column(span.start)),
