@@ -6,7 +6,7 @@ use depal_arm::JointLimit;
 use depal_frames::JointPositions;
 
 use crate::curve::{Curve, Derivatives};
-use crate::timing::Limit;
+use crate::passes::Limit;
 use crate::torque::TorqueLimits;
 use crate::{SegmentId, Speed};
 

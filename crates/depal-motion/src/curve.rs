@@ -2,6 +2,14 @@
 
 use depal_frames::JointPositions;
 
+/// Joint travel per cell of a straight joint move or a corner, radians.
+const JOINT_STEP: f64 = 0.04;
+
+/// Cells for so much travel of a joint, radians.
+pub(crate) fn cells_for(travel: f64) -> usize {
+    ((travel / JOINT_STEP).ceil() as usize).clamp(16, 64)
+}
+
 /// A curve over a parameter in 0..=1.
 #[derive(Debug, Clone)]
 pub(crate) enum Curve {
@@ -138,6 +146,19 @@ impl Curve {
                         &of,
                     ),
                 }
+            }
+        }
+    }
+
+    /// How many cells it is cut into for its law.
+    pub fn cells(&self) -> usize {
+        match self {
+            Self::Line { delta, .. } => {
+                cells_for(delta.iter().fold(0.0, |most, d| d.abs().max(most)))
+            }
+            Self::Sampled { nodes, .. } => nodes.len() - 1,
+            Self::Corner { control } => {
+                cells_for(control.windows(2).map(|w| w[0].max_distance(&w[1])).sum())
             }
         }
     }

@@ -42,25 +42,29 @@
 //! speed of the TCP is not limited in acceleration other than through the joints;
 //! the TCP may leave the plane of two linear moves a little in their corner, which is blended in joint space.
 
+mod blended;
+mod blended_law;
 mod cell;
 mod circle;
 mod curve;
 mod error;
 mod hold;
 mod mark;
-mod point_to_point;
+mod passes;
 mod segment;
 mod shape;
 mod timing;
 mod torque;
 mod trajectory;
+mod trapezoid;
 
+pub use blended::{BlendedPath, Piece, Samples};
 pub use circle::Circle;
 pub use error::MotionError;
 pub use mark::{Along, Mark, MarkTime};
-pub use point_to_point::point_to_point_time;
 pub use segment::{Interpolation, Segment, SegmentId, SegmentTarget, Speed, Zone};
 pub use trajectory::Trajectory;
+pub use trapezoid::{Trapezoid, point_to_point_time, slowest_joint_time};
 
 #[cfg(test)]
 mod tests;

@@ -77,6 +77,13 @@ pub enum Zone {
         /// Rest of the turn, radians.
         orientation: f64,
     },
+    /// Between two joint moves the corner is flown as the parabola between the points so far before the target and so
+    /// far behind it: see [`BlendedPath`](crate::BlendedPath). Beside a linear move the arm stands at the target.
+    /// Two neighbouring blends together must not exceed the move between them, or the second is cut short.
+    Blend {
+        /// L2 in joint space, radians.
+        joints: f64,
+    },
 }
 
 /// One move.
@@ -95,6 +102,24 @@ pub struct Segment {
     /// Quarter turns that joints 1, 4 and 6 must stand in at the end of a move to a pose (0: 0 to 90 degrees,
     /// -1: -90 to 0); `None` takes the solution nearest to the end of the path before.
     pub quarters: Option<[i32; 3]>,
+}
+
+impl Segment {
+    /// A joint move at full speed that ends in a corner of this size (L2 in joint space, radians), or stops at 0.
+    pub fn blended(target: JointPositions, joints: f64) -> Self {
+        Self {
+            interpolation: Interpolation::Joint,
+            target: SegmentTarget::Joints(target),
+            flange_from_tcp: Pose::identity(),
+            speed: Speed::UNLIMITED,
+            zone: if joints > 0.0 {
+                Zone::Blend { joints }
+            } else {
+                Zone::Fine
+            },
+            quarters: None,
+        }
+    }
 }
 
 /// A segment of a trajectory, counted from 0 in the order of appending.

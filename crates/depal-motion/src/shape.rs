@@ -12,8 +12,6 @@ use crate::curve::{Curve, combine};
 use crate::torque::TorqueLimits;
 use crate::{Along, Interpolation, MotionError, Segment, SegmentTarget, Zone};
 
-/// Joint travel per cell of a joint move, radians.
-const JOINT_STEP: f64 = 0.04;
 /// TCP travel and turn between grid points of a linear move, metres and radians.
 const LINE_STEP: f64 = 0.02;
 const TURN_STEP: f64 = 0.05;
@@ -123,11 +121,7 @@ impl Shape {
         if start.max_distance(&end) < 1e-9 {
             return Ok(None);
         }
-        let parameters = match &curve {
-            Curve::Sampled { nodes, .. } => nodes.len() - 1,
-            _ => ((start.max_distance(&end) / JOINT_STEP).ceil() as usize).clamp(16, 64),
-        };
-        let nodes = measure(arm, &curve, parameters, |_| tool);
+        let nodes = measure(arm, &curve, curve.cells(), |_| tool);
         if let Some(torque) = torque {
             for node in &nodes {
                 torque.check_holding(&curve.position(node.parameter))?;
@@ -176,8 +170,10 @@ impl Shape {
 
     /// Parameters where this segment is left and where the next is entered; none without a corner.
     pub fn corner(&self, next: &Self) -> Option<(f64, f64)> {
-        let Zone::Fly { tcp, orientation } = self.zone else {
-            return None;
+        let (tcp, orientation) = match self.zone {
+            Zone::Fine => return None,
+            Zone::Blend { joints } => return self.blend(next, joints),
+            Zone::Fly { tcp, orientation } => (tcp, orientation),
         };
         let half = |shape: &Self| shape.length().map_or(f64::INFINITY, |l| 0.5 * l);
         let tcp = tcp.min(half(self)).min(half(next));
@@ -197,36 +193,22 @@ impl Shape {
         (leave < 1.0 - 1e-6 && enter > 1e-6).then_some((leave, enter))
     }
 
+    /// The corner that begins so far (L2 in joint space) before the end of a joint move and ends so far behind it.
+    fn blend(&self, next: &Self, joints: f64) -> Option<(f64, f64)> {
+        let share = |shape: &Self| match &*shape.curve {
+            Curve::Line { delta, .. } => {
+                let length = delta.iter().map(|d| d * d).sum::<f64>().sqrt();
+                Some((joints / length).min(1.0))
+            }
+            _ => None,
+        };
+        let (leave, enter) = (1.0 - share(self)?, share(next)?);
+        (leave < 1.0 - 1e-6 && enter > 1e-6).then_some((leave, enter))
+    }
+
     /// Grid of the part `from..=to`: cell borders with their TCP and turn rates.
-    ///
-    /// Within a cell the acceleration is even. A cell next to a stand is divided towards it, each piece half as
-    /// wide as the one before, or a slow move would take the whole cell to gain its speed.
     pub fn cells(&self, from: f64, to: f64) -> Vec<((f64, f64), (f64, f64))> {
-        let mut cells = self.even_cells(from, to);
-        if to >= 1.0
-            && let Some(((begin, end), rates)) = cells.pop()
-        {
-            let mut border = begin;
-            for piece in 1..=STAND_PIECES {
-                let next = end - (end - begin) * 0.5_f64.powi(piece);
-                cells.push(((border, next), rates));
-                border = next;
-            }
-            cells.push(((border, end), rates));
-        }
-        if from <= 0.0 && !cells.is_empty() {
-            let ((begin, end), rates) = cells.remove(0);
-            let mut pieces = Vec::new();
-            let mut border = begin;
-            for piece in (1..=STAND_PIECES).rev() {
-                let next = begin + (end - begin) * 0.5_f64.powi(piece);
-                pieces.push(((border, next), rates));
-                border = next;
-            }
-            pieces.push(((border, end), rates));
-            cells.splice(0..0, pieces);
-        }
-        cells
+        divided(self.even_cells(from, to), from <= 0.0, to >= 1.0)
     }
 
     fn even_cells(&self, from: f64, to: f64) -> Vec<((f64, f64), (f64, f64))> {
@@ -247,6 +229,39 @@ impl Shape {
         }
         cells
     }
+}
+
+/// Cells (ranges of the parameter, each with what belongs to it) of a stretch that may begin or end with a stand.
+///
+/// Within a cell the acceleration is even. A cell next to a stand is divided towards it, each piece half as
+/// wide as the one before, or a slow move would take the whole cell to gain its speed.
+pub(crate) fn divided<T: Copy>(
+    mut cells: Vec<((f64, f64), T)>,
+    from_stand: bool,
+    to_stand: bool,
+) -> Vec<((f64, f64), T)> {
+    if to_stand && let Some(((begin, end), with)) = cells.pop() {
+        let mut border = begin;
+        for piece in 1..=STAND_PIECES {
+            let next = end - (end - begin) * 0.5_f64.powi(piece);
+            cells.push(((border, next), with));
+            border = next;
+        }
+        cells.push(((border, end), with));
+    }
+    if from_stand && !cells.is_empty() {
+        let ((begin, end), with) = cells.remove(0);
+        let mut pieces = Vec::new();
+        let mut border = begin;
+        for piece in (1..=STAND_PIECES).rev() {
+            let next = begin + (end - begin) * 0.5_f64.powi(piece);
+            pieces.push(((border, next), with));
+            border = next;
+        }
+        pieces.push(((border, end), with));
+        cells.splice(0..0, pieces);
+    }
+    cells
 }
 
 /// Evenly spaced nodes along a curve with the path travelled.

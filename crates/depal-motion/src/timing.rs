@@ -1,4 +1,4 @@
-//! The passes that find the fastest law along the cells.
+//! The law along the cells of a trajectory.
 //!
 //! With `x` the squared rate of the parameter at the beginning of a cell of width `w` and `a` the constant
 //! acceleration of the parameter, a joint accelerates by `q' a + q'' x` at the beginning and by
@@ -8,23 +8,13 @@
 use depal_frames::JointPositions;
 
 use crate::cell::{Cell, Law};
+use crate::passes::{Bounds, Cells, Limit, run};
 
-/// Coefficients below this do not limit the acceleration, only the speed.
-const FLAT: f64 = 1e-9;
 /// Relative excess of the given speed over the highest feasible one that still counts as feasible:
 /// the limits are held at three places of a cell, and a cell that was divided has new ones.
 const SLACK: f64 = 2e-4;
 /// The same where torques limit: they bend along a cell. [`crate::torque`] leaves room for it.
 const TORQUE_SLACK: f64 = 3e-3;
-
-/// `|a * of_a + x * of_x + rest| <= limit`, with the size of `rest` below `limit`.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Limit {
-    pub of_a: f64,
-    pub of_x: f64,
-    pub rest: f64,
-    pub limit: f64,
-}
 
 fn limits<'a>(
     cell: &'a Cell,
@@ -48,142 +38,72 @@ fn limits<'a>(
         .chain(cell.torque.iter().copied())
 }
 
-/// A line `at_zero + slope * x`.
-#[derive(Clone, Copy)]
-struct Line {
-    at_zero: f64,
-    slope: f64,
-}
-
-impl Line {
-    fn at(self, x: f64) -> f64 {
-        self.at_zero + self.slope * x
+impl Cell {
+    /// Lowest and highest `a` at `x` under these accelerations and the torque limits.
+    fn range(&self, acceleration: &JointPositions, x: f64) -> (f64, f64) {
+        limits(self, acceleration)
+            .filter_map(|limit| limit.band())
+            .map(|band| (band.middle + band.slope * x, band.half))
+            .fold(
+                (f64::NEG_INFINITY, f64::INFINITY),
+                |(low, high), (middle, half)| (low.max(middle - half), high.min(middle + half)),
+            )
     }
 }
 
-impl Limit {
-    /// Highest and lowest `a` as functions of `x`; none where `a` has no influence.
-    fn bounds(self) -> Option<(Line, Line)> {
-        if self.of_a.abs() < FLAT {
-            return None;
-        }
-        let slope = -self.of_x / self.of_a;
-        let reach = self.limit / self.of_a.abs();
-        let rest = self.rest / self.of_a;
-        Some((
-            Line {
-                at_zero: reach - rest,
-                slope,
-            },
-            Line {
-                at_zero: -reach - rest,
-                slope,
-            },
-        ))
+impl Cells for [Cell] {
+    fn count(&self) -> usize {
+        self.len()
     }
-}
 
-/// Range of `a` at `x` under the joint acceleration and torque limits; empty (low above high) where `x` is too high.
-fn range(cell: &Cell, acceleration: &JointPositions, x: f64) -> (f64, f64) {
-    let mut low = f64::NEG_INFINITY;
-    let mut high = f64::INFINITY;
-    for limit in limits(cell, acceleration) {
-        if let Some((upper, lower)) = limit.bounds() {
-            high = high.min(upper.at(x));
-            low = low.max(lower.at(x));
-        }
+    fn width(&self, cell: usize) -> f64 {
+        self[cell].width()
     }
-    (low, high)
-}
 
-/// Highest `x` at the beginning of a cell from which some `a` obeys all limits and ends with at most `right`.
-fn controllable(cell: &Cell, right: f64) -> f64 {
-    let acceleration = &cell.limits.joint_acceleration;
-    let double_width = 2.0 * cell.width();
-    let mut x = cell.speed_bounds().0;
-    if cell.curve.is_straight() && cell.torque.is_empty() {
-        let (_, high) = range(cell, acceleration, 0.0);
-        return x.min(right + double_width * high);
+    fn speed_bounds(&self, cell: usize) -> (f64, f64) {
+        self[cell].speed_bounds()
     }
-    for limit in limits(cell, acceleration) {
-        if limit.of_a.abs() < FLAT && limit.of_x != 0.0 {
-            x = x.min((limit.limit - limit.rest * limit.of_x.signum()) / limit.of_x.abs());
-        }
+
+    fn link(&self, cell: usize) -> f64 {
+        self[cell].link
     }
-    // The gap between the least upper and the greatest lower bound of `a` is concave in `x` and not negative
-    // at zero. From the right, each crossing of the two bounds that hold there comes closer; finitely many exist.
-    for _ in 0..64 {
-        let mut upper = Line {
-            at_zero: right / double_width,
-            slope: -1.0 / double_width,
-        };
-        let mut lower = Line {
-            at_zero: 0.0,
-            slope: -1.0 / double_width,
-        };
-        for limit in limits(cell, acceleration) {
-            if let Some((high, low)) = limit.bounds() {
-                if high.at(x) < upper.at(x) {
-                    upper = high;
-                }
-                if low.at(x) > lower.at(x) {
-                    lower = low;
-                }
+
+    fn even(&self, cell: usize) -> Option<f64> {
+        let cell = &self[cell];
+        let is_even = cell.curve.is_straight() && cell.torque.is_empty();
+        is_even.then(|| cell.range(&cell.limits.joint_acceleration, 0.0).1)
+    }
+
+    fn highest(&self, cell: usize) -> f64 {
+        limits(&self[cell], &self[cell].limits.joint_acceleration)
+            .map(|limit| limit.highest())
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    fn narrow(&self, cell: usize, bounds: &mut Bounds) {
+        for limit in limits(&self[cell], &self[cell].limits.joint_acceleration) {
+            if let Some(band) = limit.band() {
+                bounds.narrow(&band);
             }
         }
-        let gap = upper.at(x) - lower.at(x);
-        if gap >= -1e-9 * (1.0 + upper.at(x).abs() + lower.at(x).abs()) {
-            return x;
-        }
-        let closing = upper.slope - lower.slope;
-        if closing >= 0.0 {
-            return 0.0;
-        }
-        x = ((lower.at_zero - upper.at_zero) / closing).clamp(0.0, x);
     }
-    x
 }
 
 /// Fastest laws for `cells`, entered with the squared rate `entry` (in the parameter of the first) at `start`
 /// and left standing. None if the limits cannot be held from there.
 pub(crate) fn fastest(cells: &[Cell], entry: f64, start: f64) -> Option<Vec<Law>> {
-    // Highest squared rate at the end of each cell.
-    let mut right_ends = vec![0.0; cells.len()];
-    let mut left = 0.0_f64;
-    for (i, cell) in cells.iter().enumerate().rev() {
-        let after = match cells.get(i + 1) {
-            Some(next) if next.link > 0.0 => left / (next.link * next.link),
-            _ => 0.0,
-        };
-        right_ends[i] = after.min(cell.speed_bounds().1);
-        left = controllable(cell, right_ends[i]);
-    }
     let slack = match cells.first() {
         Some(cell) if !cell.torque.is_empty() => TORQUE_SLACK,
         _ => SLACK,
     };
-    if entry > left * (1.0 + slack) {
-        return None;
-    }
     let mut laws = Vec::with_capacity(cells.len());
-    let mut x = entry;
     let mut time = start;
-    for (i, cell) in cells.iter().enumerate() {
-        if i > 0 {
-            x *= cell.link * cell.link;
-        }
-        let double_width = 2.0 * cell.width();
-        let (low, high) = range(cell, &cell.limits.joint_acceleration, x);
-        let a = (if low > high { 0.5 * (low + high) } else { high })
-            .min((right_ends[i] - x) / double_width)
-            .max(-x / double_width);
-        let end = (x + a * double_width).max(0.0);
-        let law = law(cell.width(), x, end, a, time);
+    let feasible = run(cells, entry, slack, |cell, x, a, end| {
+        let law = law(cells[cell].width(), x, end, a, time);
         time = law.end();
-        x = end;
         laws.push(law);
-    }
-    Some(laws)
+    });
+    feasible.then_some(laws)
 }
 
 /// The laws that bring the arm to a stand soonest from the beginning of `cells` with squared rate `entry`,
@@ -206,7 +126,7 @@ pub(crate) fn brake(
             break;
         }
         let width = cell.width();
-        let (low, _) = range(cell, acceleration, x);
+        let (low, _) = cell.range(acceleration, x);
         let last = cells.get(i + 1).is_none_or(|next| next.link == 0.0);
         let a = if last {
             low.min(-x / (2.0 * width))

@@ -7,7 +7,7 @@ use depal_frames::JointPositions;
 
 use crate::MotionError;
 use crate::curve::{Derivatives, combine};
-use crate::timing::Limit;
+use crate::passes::Limit;
 
 /// Share of a torque limit that the law may use: limits are held at three places of a cell, and bend between them.
 const USED: f64 = 0.995;
@@ -18,30 +18,40 @@ const HELD: f64 = 0.98;
 #[derive(Debug, Clone)]
 pub(crate) struct TorqueLimits {
     arm: Arc<Arm>,
+    /// What is always there.
+    tool: Load,
+    /// The tool and what it carries.
     load: Load,
     /// N m, infinite for a joint without limit.
     limits: JointPositions,
 }
 
 impl TorqueLimits {
-    /// None for an arm without torque limits.
-    pub fn new(arm: &Arc<Arm>, load: &Load) -> Option<Self> {
+    /// None for an arm without torque limits. `load` is what the tool carries, without the tool.
+    pub fn new(arm: &Arc<Arm>, tool: &Load, load: &Load) -> Option<Self> {
         let limits = *arm.torque_limits()?;
         Some(Self {
             arm: Arc::clone(arm),
-            load: *load,
+            tool: *tool,
+            load: tool.and(load),
             limits,
         })
     }
 
+    /// Tool and load together.
     pub fn load(&self) -> &Load {
         &self.load
     }
 
-    /// The bare arm, and the arm with its load. A torque is linear in the mass of the load, so what holds for
-    /// both holds for every mass between.
+    /// Whether these are the limits of another tool or load.
+    pub fn differ(&self, tool: &Load, load: &Load) -> bool {
+        self.tool != *tool || self.load != tool.and(load)
+    }
+
+    /// The arm with its tool, and the arm with its tool and load. A torque is linear in the mass of the load, so what
+    /// holds for both holds for every mass between.
     fn loads(&self) -> impl Iterator<Item = &Load> {
-        std::iter::once(&Load::NONE).chain(Some(&self.load).filter(|load| load.mass > 0.0))
+        std::iter::once(&self.tool).chain(Some(&self.load).filter(|load| **load != self.tool))
     }
 
     /// The limits at a place of a path with these derivatives, where the squared rate has grown by `gain`

@@ -5,13 +5,10 @@ use depal_frames::JointPositions;
 
 use crate::cell::{Cell, CellLimits};
 use crate::curve::{Curve, combine};
-use crate::shape::{Shape, measure};
+use crate::shape::{Shape, divided, measure};
 use crate::timing::{brake, fastest};
 use crate::torque::TorqueLimits;
 use crate::{MotionError, Segment, SegmentId, Speed, Zone};
-
-/// Cells of a corner.
-const CORNER_CELLS: usize = 16;
 
 /// A growing path and the fastest law along it that ends at rest.
 ///
@@ -45,7 +42,7 @@ impl Trajectory {
     /// An arm standing at `start`, radians.
     pub fn new(arm: Arc<Arm>, start: JointPositions) -> Self {
         Self {
-            torque: TorqueLimits::new(&arm, &Load::NONE).map(Arc::new),
+            torque: TorqueLimits::new(&arm, &Load::NONE, &Load::NONE).map(Arc::new),
             arm,
             cells: Vec::new(),
             start,
@@ -60,8 +57,14 @@ impl Trajectory {
     /// It matters only to an arm with torque limits, whose axes then obey them with the load and without it,
     /// so that it may be let go or lost anywhere; a heavier load at the same place never makes a move faster.
     pub fn set_load(&mut self, load: &Load) {
-        if self.torque.as_ref().is_some_and(|t| t.load() != load) {
-            self.torque = TorqueLimits::new(&self.arm, load).map(Arc::new);
+        self.set_tool_and_load(&Load::NONE, load);
+    }
+
+    /// As [`set_load`](Self::set_load), with the tool, which stays when the load is let go: the axes obey their limits
+    /// with the tool alone and with both.
+    pub fn set_tool_and_load(&mut self, tool: &Load, load: &Load) {
+        if self.torque.as_ref().is_some_and(|t| t.differ(tool, load)) {
+            self.torque = TorqueLimits::new(&self.arm, tool, load).map(Arc::new);
         }
     }
 
@@ -84,7 +87,7 @@ impl Trajectory {
             .as_ref()
             .and_then(|last| self.blend(now, last, id, &shape));
         if let (None, Some(last)) = (blended, &last)
-            && matches!(last.shape.zone, Zone::Fly { .. })
+            && last.shape.zone != Zone::Fine
         {
             self.corner_failures.push(last.id);
         }
@@ -111,6 +114,12 @@ impl Trajectory {
     /// Tries to round the corner between the last segment and `next`; the link into `next` if it worked.
     fn blend(&mut self, now: f64, last: &Last, id: SegmentId, next: &Shape) -> Option<f64> {
         let (leave, enter) = last.shape.corner(next)?;
+        // Where the corner before gives way to this segment.
+        let own = self
+            .cells
+            .iter()
+            .find(|cell| Arc::ptr_eq(&cell.curve, &last.shape.curve))?;
+        let leave = leave.max(own.from);
         let (corner, limits) = self.corner(last, next, leave, enter)?;
         let free = self.divide(now);
         // The first cell of the last segment that reaches beyond the corner's beginning.
@@ -130,7 +139,7 @@ impl Trajectory {
             // Two corners meet in the middle of the segment.
             _ => last.entry_link,
         } / before;
-        let nodes = measure(&self.arm, &corner, CORNER_CELLS, |u| {
+        let nodes = measure(&self.arm, &corner, corner.cells(), |u| {
             if u < 0.5 {
                 &last.shape.flange_from_tcp
             } else {
@@ -138,18 +147,24 @@ impl Trajectory {
             }
         });
         let corner = Arc::new(corner);
-        for pair in nodes.windows(2) {
-            let (from, to) = (pair[0].parameter, pair[1].parameter);
-            let width = to - from;
-            self.cells.push(Cell::new(
-                &corner,
-                &limits[usize::from(from >= 0.5)],
-                last.id,
-                (from, to),
+        let even = nodes.windows(2).map(|pair| {
+            let width = pair[1].parameter - pair[0].parameter;
+            (
+                (pair[0].parameter, pair[1].parameter),
                 (
                     (pair[1].tcp - pair[0].tcp) / width,
                     (pair[1].turn - pair[0].turn) / width,
                 ),
+            )
+        });
+        let ends_standing = enter >= 1.0 - 1e-6;
+        for (range, rates) in divided(even.collect(), link == 0.0, ends_standing) {
+            self.cells.push(Cell::new(
+                &corner,
+                &limits[usize::from(range.0 >= 0.5)],
+                last.id,
+                range,
+                rates,
                 link,
             ));
             link = 1.0;
@@ -198,8 +213,9 @@ impl Trajectory {
                 q,
             ],
         };
-        let inside = (1..CORNER_CELLS).all(|i| {
-            let at = curve.position(i as f64 / CORNER_CELLS as f64);
+        let count = curve.cells();
+        let inside = (1..count).all(|i| {
+            let at = curve.position(i as f64 / count as f64);
             let holds = |shape: &Shape| {
                 let torque = shape.limits.torque.as_ref();
                 torque.is_none_or(|torque| torque.check_holding(&at).is_ok())

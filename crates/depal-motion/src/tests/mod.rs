@@ -5,6 +5,7 @@ use depal_frames::{JointPositions, Pose};
 
 use crate::{Interpolation, MotionError, Segment, SegmentTarget, Speed, Trajectory, Zone};
 
+mod blended;
 mod circles;
 mod corners;
 mod hold;

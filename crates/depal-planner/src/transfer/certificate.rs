@@ -1,11 +1,9 @@
 //! Proof on the bare bodies that nothing touches along a blended path.
 
 use depal_frames::JointPositions;
+use depal_motion::{BlendedPath, Piece};
 
-use super::{
-    law::{BlendedPath, Piece},
-    scene::{Contact, Distances, Scene},
-};
+use super::scene::{Contact, Distances, Scene};
 
 /// Distances beyond this are not measured at first, m.
 const CAP_M: f64 = 0.12;
@@ -48,7 +46,7 @@ pub(crate) fn certify(
             measurements: 0,
         };
         prover.measure(start)?;
-        for piece in &path.pieces {
+        for piece in path.pieces() {
             prover.piece(piece)?;
         }
         if prover.least < cap || cap >= FAR_M {
@@ -89,7 +87,7 @@ impl Prover<'_> {
     fn piece(&mut self, piece: &Piece) -> Result<(), Option<Contact>> {
         let mut at = (0.0, piece.at(0.0));
         let mut found = self.measure(&at.1)?;
-        let steps = (piece.length / 0.15).ceil().max(1.0) as usize;
+        let steps = (piece.length() / 0.15).ceil().max(1.0) as usize;
         for i in 1..=steps {
             let share = i as f64 / steps as f64;
             let next = (share, piece.at(share));

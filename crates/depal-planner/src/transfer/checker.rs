@@ -1,9 +1,9 @@
 //! Questions about single states and straight moves of a scene.
 
 use depal_frames::JointPositions;
+use depal_motion::{BlendedPath, Samples};
 
 use super::{
-    law::{BlendedPath, Samples},
     request::TransferScene,
     scene::{BARE, Contact, Scene},
 };

@@ -2,12 +2,11 @@
 
 use depal_arm::JointLimit;
 use depal_frames::JointPositions;
+use depal_motion::{BlendedPath, slowest_joint_time};
 use depal_time::RandomStream;
 
-use super::{
-    checker::Checker,
-    law::{BlendedPath, distance, fitting_blends},
-};
+use super::{blends::fitting_blends, checker::Checker};
+use crate::tree::distance;
 
 /// Ways that are no slower than this against the bound are good enough.
 const GOOD: f64 = 1.04;
@@ -40,17 +39,17 @@ impl Route {
         }
     }
 
-    pub fn path(&self) -> BlendedPath {
-        let blends = if self.stops {
+    /// Of every point.
+    pub fn blends(&self) -> Vec<f64> {
+        if self.stops {
             vec![0.0; self.points.len()]
         } else {
             fitting_blends(&self.points, &self.shares)
-        };
-        BlendedPath::new(&self.points, &blends)
+        }
     }
 
-    pub fn time(&self, limits: &[JointLimit]) -> f64 {
-        self.path().time(limits)
+    pub fn path(&self) -> BlendedPath {
+        BlendedPath::new(&self.points, &self.blends())
     }
 
     pub fn rough_time(&self, limits: &[JointLimit]) -> f64 {
@@ -82,7 +81,7 @@ pub(crate) fn refine(
     if best.points.len() < 3 {
         return trail;
     }
-    let bound = super::law::lower_bound(&start, &best.points[best.points.len() - 1], limits);
+    let bound = slowest_joint_time(limits, &start, &best.points[best.points.len() - 1]);
     let last_check = checker.checks + effort.checks;
     let mut size = 0.3;
     for _ in 0..effort.changes {

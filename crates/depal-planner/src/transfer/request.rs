@@ -1,6 +1,6 @@
 //! What is asked, and what is answered.
 
-use depal_arm::Arm;
+use depal_arm::{Arm, Load};
 use depal_frames::{JointPositions, PlacedShape, Pose};
 
 /// An arm with what it carries, among obstacles. Everything in the base frame of the arm, metres and radians.
@@ -10,6 +10,8 @@ pub struct TransferScene {
     pub arm: Arm,
     /// Solids fixed to links, by the link's index in [`Arm::links`] and in its frame.
     pub attached: Vec<(usize, PlacedShape)>,
+    /// What the attached solids weigh together, at the flange. It matters only to an arm with torque limits.
+    pub load: Load,
     /// What stands around. Links that no joint moves are not tested against it.
     pub obstacles: Vec<PlacedShape>,
     /// Names of links that may meet, in either order. Solids of one link always may; attached ones take their link's name.
@@ -42,9 +44,10 @@ pub struct TransferWaypoint {
 pub struct TransferPlan {
     /// First the start, last the goal.
     pub waypoints: Vec<TransferWaypoint>,
-    /// Fastest time over this very way inside the limits of the arm, s.
+    /// Fastest time over this very way inside the limits of the arm, s: speeds and accelerations, and torques where the
+    /// arm has limits for them, with the load and without it.
     pub motion_time: f64,
-    /// Time of the slowest joint alone without obstacles, s.
+    /// Time of the slowest joint alone without obstacles, s; torques do not count.
     pub lower_bound: f64,
     /// Least distance of moving bodies to obstacles and of checked pairs along the way, m (unpadded bodies);
     /// 2.5 m stands for that and all beyond.

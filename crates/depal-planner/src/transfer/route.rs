@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 
 use depal_frames::{JointPositions, Pose};
+use depal_motion::{BlendedPath, slowest_joint_time};
 use depal_time::RandomStreams;
 
 use super::{
     certificate::certify,
     checker::{Checker, FINE_STEP},
-    law::{BlendedPath, fitting_blends, lower_bound},
     refine::Route,
     request::{TransferGoal, TransferPlan, TransferRefusal, TransferScene, TransferWaypoint},
     scene::{BARE, PADDINGS, Scene},
@@ -36,7 +36,7 @@ pub fn plan_transfer(
     let arm = &request.arm;
     let mut bound = match goal {
         TransferGoal::Joints(joints) if joints.len() == start.len() => {
-            Some(lower_bound(start, joints, arm.limits()))
+            Some(slowest_joint_time(arm.limits(), start, joints))
         }
         _ => None,
     };
@@ -59,7 +59,7 @@ pub fn plan_transfer(
             Ok(found) => found,
         },
     };
-    bound = Some(lower_bound(start, &goals[0], arm.limits()));
+    bound = Some(slowest_joint_time(arm.limits(), start, &goals[0]));
     let scene = Scene::new(request);
     if let Some((distance, contact)) = scene.rigid_distance()
         && distance <= 0.0
@@ -100,7 +100,7 @@ pub fn plan_transfer(
     let mut reason = String::new();
     let most_checks = MOST_CHECKS / free.len().min(3);
     for (tried, goal) in free.iter().take(MOST_GOALS).enumerate() {
-        let bound = lower_bound(start, goal, arm.limits());
+        let bound = slowest_joint_time(arm.limits(), start, goal);
         if best.as_ref().is_some_and(|b| b.motion_time <= bound) || (best.is_none() && tried >= 3) {
             break;
         }
@@ -169,7 +169,7 @@ fn postures(
         }
     };
     let mut found = arm.inverse(&(base_from_tcp * flange_from_tcp.inverse()));
-    let time = |q: &JointPositions| lower_bound(start, q, arm.limits());
+    let time = |q: &JointPositions| slowest_joint_time(arm.limits(), start, q);
     found.sort_by(|a, b| time(a).total_cmp(&time(b)));
     if found.is_empty() {
         let at = base_from_tcp.translation.vector;
@@ -297,39 +297,29 @@ fn proved(
     route: &Route,
     found_by: &'static str,
 ) -> Result<TransferPlan, String> {
-    match certify(scene, start, &route.path()) {
-        Ok(clearance) => {
-            let clearance = match scene.rigid_distance() {
-                Some((rigid, _)) => clearance.min(rigid),
-                None => clearance,
-            };
-            Ok(plan(scene, route, clearance, found_by))
-        }
-        Err(Some(contact)) => Err(format!(
+    let path = route.path();
+    let clearance = certify(scene, start, &path).map_err(|touch| match touch {
+        Some(contact) => format!(
             "a way was found but its fine check says: {}",
             scene.words(contact)
-        )),
-        Err(None) => Err("a way was found but comes too close to be proved free".to_owned()),
-    }
-}
-
-fn plan(scene: &Scene, route: &Route, clearance: f64, found_by: &'static str) -> TransferPlan {
-    let limits = scene.arm.limits();
+        ),
+        None => "a way was found but comes too close to be proved free".to_owned(),
+    })?;
+    let motion_time = scene
+        .time(&path)
+        .map_err(|overload| format!("a way was found but on it {overload}"))?;
     let points = &route.points;
-    let blends = if route.stops {
-        vec![0.0; points.len()]
-    } else {
-        fitting_blends(points, &route.shares)
-    };
-    TransferPlan {
-        waypoints: points
-            .iter()
-            .zip(blends)
+    let waypoints = points.iter().zip(route.blends());
+    Ok(TransferPlan {
+        waypoints: waypoints
             .map(|(&joints, blend)| TransferWaypoint { joints, blend })
             .collect(),
-        motion_time: route.time(limits),
-        lower_bound: lower_bound(&points[0], &points[points.len() - 1], limits),
-        min_clearance: clearance,
+        motion_time,
+        lower_bound: slowest_joint_time(scene.arm.limits(), &points[0], &points[points.len() - 1]),
+        min_clearance: match scene.rigid_distance() {
+            Some((rigid, _)) => clearance.min(rigid),
+            None => clearance,
+        },
         found_by,
-    }
+    })
 }

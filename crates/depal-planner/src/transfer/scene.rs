@@ -1,7 +1,8 @@
 //! Arm, attached bodies and obstacles as solids, in several thicknesses.
 
-use depal_arm::Arm;
+use depal_arm::{Arm, Load};
 use depal_frames::{JointPositions, PlacedShape, Point, Pose, convert};
+use depal_motion::{BlendedPath, MotionError};
 use parry3d::{
     bounding_volume::Aabb,
     math::{Pose as Pose32, Vector as Vector32},
@@ -74,6 +75,7 @@ pub(crate) struct Scene<'a> {
     /// Pairs that are checked but never move against each other.
     rigid_pairs: Vec<(usize, usize)>,
     obstacles: Obstacles,
+    load: Load,
 }
 
 /// Bodies at one state.
@@ -151,7 +153,13 @@ impl<'a> Scene<'a> {
             pairs,
             rigid_pairs,
             obstacles: Obstacles::new(&request.obstacles),
+            load: request.load,
         }
+    }
+
+    /// Time over a path inside the limits of the arm, s; fails where the arm could not stand with its load.
+    pub fn time(&self, path: &BlendedPath) -> Result<f64, MotionError> {
+        path.loaded_time(self.arm, &Load::NONE, &self.load)
     }
 
     fn state(&self, joints: &JointPositions) -> State {

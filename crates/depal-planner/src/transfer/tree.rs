@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use depal_frames::JointPositions;
+use depal_motion::slowest_joint_time;
 use depal_time::RandomStream;
 
-use super::{checker::Checker, law::lower_bound};
+use super::checker::Checker;
 use crate::tree::{self, Ground};
 
 /// Longest step by which a tree grows, rad.
@@ -47,7 +48,7 @@ impl Ground for Cell<'_, '_> {
     fn cost(&self, way: &[JointPositions]) -> f64 {
         let limits = self.checker.scene.arm.limits();
         way.windows(2)
-            .map(|w| lower_bound(&w[0], &w[1], limits))
+            .map(|w| slowest_joint_time(limits, &w[0], &w[1]))
             .sum()
     }
 

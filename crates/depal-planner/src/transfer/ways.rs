@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 
 use depal_arm::Arm;
 use depal_frames::{JointPositions, Vector};
+use depal_motion::slowest_joint_time;
 use depal_time::RandomStream;
 
 use super::{
     checker::Checker,
-    law::lower_bound,
     refine::{Effort, Route, refine},
     tree::grow,
 };
@@ -54,7 +54,7 @@ pub(crate) fn improve(
 ) -> (Vec<Route>, &'static str) {
     let limits = checker.scene.arm.limits();
     let (start, goal) = (found.points[0], found.points[found.points.len() - 1]);
-    let bound = lower_bound(&start, &goal, limits);
+    let bound = slowest_joint_time(limits, &start, &goal);
     let time_of = |trail: &[Route]| trail[trail.len() - 1].rough_time(limits);
     let mut trail = refine(checker, found.clone(), FIRST_EFFORT, random);
     let mut time = time_of(&trail);

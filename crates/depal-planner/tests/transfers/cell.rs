@@ -90,6 +90,7 @@ pub fn scene(obstacles: Vec<PlacedShape>) -> TransferScene {
     TransferScene {
         arm,
         attached: vec![(tcp, cuboid([0.0, 0.0, 0.127], [0.295, 0.245, 0.25]))],
+        load: depal_arm::Load::NONE,
         obstacles,
         allowed_pairs: allowed_pairs(),
         tcp_link: Some(tcp),

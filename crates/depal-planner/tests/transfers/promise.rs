@@ -163,6 +163,7 @@ fn a_palletizer_finds_its_way() {
             let mut request = TransferScene {
                 arm: arm.clone(),
                 attached: vec![(names.len() - 1, cuboid([0.0, 0.0, 0.25], [0.4, 0.3, 0.3]))],
+                load: depal_arm::Load::NONE,
                 obstacles: blocks(&mut random),
                 allowed_pairs: Vec::new(),
                 tcp_link: None,
