@@ -7,7 +7,7 @@
 mod certificate;
 mod checker;
 mod law;
-mod oriented;
+pub(crate) mod oriented;
 mod refine;
 mod request;
 mod route;
