@@ -1,9 +1,12 @@
 use depal_arm::Arm;
-use depal_frames::{JointPositions, PlacedShape, convert};
+use depal_frames::{JointPositions, PlacedShape, Pose, convert};
 use depal_gripper::GripperSpec;
 use parry3d::{math::Pose as Pose32, shape::SharedShape};
 
-use crate::world::solid;
+use crate::{
+    transfer::oriented::Oriented,
+    world::{BoxAround, solid},
+};
 
 /// Group of the gripper and the carton: beyond the last joint's own link.
 const TOOL_GROUP: usize = 7;
@@ -16,6 +19,7 @@ pub(crate) struct Body {
     /// Joints that move it; the tool counts as one more, so that it is not a neighbour of the wrist.
     pub group: usize,
     frame_from_shape: Pose32,
+    around: BoxAround,
     pub shape: SharedShape,
     /// From the shape's origin to its farthest point, m.
     pub radius: f32,
@@ -29,13 +33,25 @@ impl Body {
             frame,
             group,
             frame_from_shape,
+            around: BoxAround::new(placed, &frame_from_shape, &shape),
             shape,
             radius: (placed.shape.bounding_radius() + padding.max(0.0)) as f32,
         }
     }
 
-    pub fn pose(&self, frames: &[Pose32]) -> Pose32 {
-        frames[self.frame] * self.frame_from_shape
+    /// Where the shape is, with the frames of [`Robot::frames`].
+    pub fn pose(&self, frames: &[Pose]) -> Pose32 {
+        convert::to_glam(&frames[self.frame]) * self.frame_from_shape
+    }
+
+    /// The box around it.
+    pub fn bounds(&self, frames: &[Pose]) -> Oriented {
+        self.around.at(&frames[self.frame])
+    }
+
+    /// The box around it is the body itself.
+    pub fn is_box(&self) -> bool {
+        self.around.is_solid
     }
 }
 
@@ -47,6 +63,8 @@ pub(crate) struct Robot<'a> {
     pub bodies: Vec<Body>,
     /// Pairs of `bodies` that may meet.
     pub pairs: Vec<(usize, usize)>,
+    /// Index of the link that carries the gripper.
+    flange: usize,
 }
 
 impl<'a> Robot<'a> {
@@ -75,11 +93,13 @@ impl<'a> Robot<'a> {
                 }
             }
         }
+        let flange = arm.links().iter().position(|link| link.name == arm.tip());
         Self {
             arm,
             gripper,
             bodies,
             pairs,
+            flange: flange.expect("the flange is a link"),
         }
     }
 
@@ -96,15 +116,15 @@ impl<'a> Robot<'a> {
     }
 
     /// Poses of all links and, last, of the flange.
-    pub fn frames(&self, joints: &JointPositions) -> Vec<Pose32> {
-        let mut frames: Vec<Pose32> = self
-            .arm
-            .base_from_links(joints)
-            .iter()
-            .map(convert::to_glam)
-            .collect();
-        frames.push(convert::to_glam(&self.arm.base_from_flange(joints)));
+    pub fn frames(&self, joints: &JointPositions) -> Vec<Pose> {
+        let mut frames = self.arm.base_from_links(joints);
+        frames.push(frames[self.flange]);
         frames
+    }
+
+    /// Pose of the tool, with the frames of [`Robot::frames`].
+    pub fn tool(&self, frames: &[Pose]) -> Pose {
+        frames[self.flange] * self.gripper.flange_from_tcp
     }
 }
 

@@ -1,9 +1,10 @@
-use depal_frames::JointPositions;
-use parry3d::{math::Pose as Pose32, query};
+use depal_frames::{JointPositions, Pose};
+use parry3d::math::Pose as Pose32;
 
 use crate::{
     bodies::{Body, Robot, may_meet},
     refusal::{Obstacle, Stage, Touch},
+    transfer::oriented::Oriented,
     world::{self, World},
 };
 
@@ -29,7 +30,7 @@ pub(crate) struct Measured {
 
 impl<'a> Check<'a> {
     /// All bodies, the carton last.
-    fn bodies(&self) -> impl Iterator<Item = &'a Body> {
+    fn bodies(&self) -> impl Iterator<Item = &'a Body> + use<'a> {
         self.robot.bodies.iter().chain(self.carton)
     }
 
@@ -41,9 +42,9 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn poses(&self, joints: &JointPositions) -> Vec<Pose32> {
-        let frames = self.robot.frames(joints);
-        self.bodies().map(|b| b.pose(&frames)).collect()
+    /// The boxes around all bodies.
+    fn bounds(&self, frames: &[Pose]) -> Vec<Oriented> {
+        self.bodies().map(|body| body.bounds(frames)).collect()
     }
 
     /// Pairs of moving bodies that may meet, as indices into [`Check::bodies`].
@@ -75,15 +76,20 @@ impl<'a> Check<'a> {
 
     /// The first touch of one state, in a fixed order: carton, gripper, links from the wrist inwards, then the arm with itself.
     pub fn touch(&self, joints: &JointPositions) -> Option<Touch> {
-        let poses = self.poses(joints);
+        self.touch_at(&self.robot.frames(joints))
+    }
+
+    /// The same with the frames of [`Robot::frames`] at that state.
+    pub fn touch_at(&self, frames: &[Pose]) -> Option<Touch> {
+        let bounds = self.bounds(frames);
         let meets = |(i, body): (usize, &Body)| {
             if body.group == 0 {
                 return None;
             }
-            let obstacle = self.world.meets(&poses[i], &body.shape, self.without)?;
+            let obstacle = self.world.meets(body, frames, &bounds[i], self.without)?;
             Some(self.says(body, obstacle))
         };
-        let last = poses.len() - 1;
+        let last = bounds.len() - 1;
         if let Some(carton) = self.carton
             && let Some(touch) = meets((last, carton))
         {
@@ -94,35 +100,37 @@ impl<'a> Check<'a> {
         }
         self.pairs().find_map(|(i, j)| {
             let (a, b) = (self.body(i), self.body(j));
-            let met =
-                query::intersection_test(&poses[i], a.shape.as_ref(), &poses[j], b.shape.as_ref());
-            met.is_ok_and(|m| m.intersecting)
+            let exactly =
+                || world::solids_meet(&a.pose(frames), &a.shape, &b.pose(frames), &b.shape);
+            let are_boxes = a.is_box() && b.is_box();
+            world::meet((&bounds[i], &bounds[j]), are_boxes, exactly)
                 .then(|| self.says(a, self.link_of(b)))
         })
     }
 
     /// Poses of all bodies and the least distance to obstacles and between pairs.
     pub fn measure(&self, joints: &JointPositions, cap: f32) -> Measured {
-        let poses = self.poses(joints);
+        let frames = self.robot.frames(joints);
+        let bounds = self.bounds(&frames);
+        let poses: Vec<Pose32> = self.bodies().map(|body| body.pose(&frames)).collect();
         let (mut distance, mut nearest) = (cap, None);
-        for (body, pose) in self.bodies().zip(&poses) {
+        for ((body, pose), around) in self.bodies().zip(&poses).zip(&bounds) {
             if body.group == 0 {
                 continue;
             }
             let (d, what) = self
                 .world
-                .distance(pose, &body.shape, self.without, distance);
+                .distance(body, pose, around, self.without, distance);
             if d < distance {
                 distance = d;
                 nearest = what.map(|w| self.says(body, w));
             }
         }
         for (i, j) in self.pairs() {
-            let (a, b) = (self.body(i), self.body(j));
-            let gap = (poses[i].translation - poses[j].translation).length() - a.radius - b.radius;
-            if gap >= distance {
+            if world::apart(&bounds[i], &bounds[j], distance) {
                 continue;
             }
+            let (a, b) = (self.body(i), self.body(j));
             if let Some(d) = world::distance(&poses[i], &a.shape, &poses[j], &b.shape)
                 && d < distance
             {

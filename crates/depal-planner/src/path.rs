@@ -220,14 +220,13 @@ pub(crate) fn touch_on_way(
 }
 
 fn test_state(check: &Check, joints: &JointPositions, upright: Option<f64>) -> Result<(), Blocked> {
-    if let Some(limit) = upright {
-        let robot = check.robot;
-        let tool = robot.arm.base_from_flange(joints) * robot.gripper.flange_from_tcp;
-        if (tool.rotation * -Vector::z()).z < limit.cos() {
-            return Err(Blocked::Leans);
-        }
+    let frames = check.robot.frames(joints);
+    if let Some(limit) = upright
+        && (check.robot.tool(&frames).rotation * -Vector::z()).z < limit.cos()
+    {
+        return Err(Blocked::Leans);
     }
-    match check.touch(joints) {
+    match check.touch_at(&frames) {
         Some(touch) => Err(Blocked::Touches(touch)),
         None => Ok(()),
     }

@@ -1,17 +1,22 @@
 use depal_frames::{PlacedShape, Point, Pose, Rotation, Shape, Vector, convert};
 use nalgebra::Translation3;
 use parry3d::{
-    bounding_volume::{Aabb, BoundingVolume},
-    math::Pose as Pose32,
+    bounding_volume::Aabb,
+    math::{Pose as Pose32, Vector as Vector32},
     partitioning::{Bvh, BvhBuildStrategy},
     query,
     shape::SharedShape,
 };
 
 use crate::{
+    bodies::Body,
     refusal::Obstacle,
     request::{PlanRequest, SeenBox},
+    transfer::oriented::Oriented,
 };
+
+/// Boxes that seem apart by less than this may meet by rounding, m.
+const ROUNDING: f64 = 1e-5;
 
 /// A shape of the collision library and where it sits on its parent.
 ///
@@ -58,6 +63,77 @@ pub(crate) fn solid(placed: &PlacedShape, padding: f64) -> (Pose32, SharedShape)
     }
 }
 
+/// The box around a solid, on the solid's parent.
+pub(crate) struct BoxAround {
+    frame_from_box: Pose,
+    /// Half of its sides, m.
+    half: [f64; 3],
+    /// It is the solid itself.
+    pub is_solid: bool,
+}
+
+impl BoxAround {
+    /// Of a placed shape and what [`solid`] made of it.
+    pub fn new(placed: &PlacedShape, frame_from_shape: &Pose32, shape: &SharedShape) -> Self {
+        let is_solid = shape.as_cuboid().is_some();
+        let around = shape.compute_local_aabb();
+        let (centre, half) = (around.center(), around.half_extents());
+        let frame_from_box = if is_solid {
+            placed.pose
+        } else {
+            let centre = [centre.x, centre.y, centre.z].map(f64::from);
+            convert::from_glam(frame_from_shape)
+                * Pose::translation(centre[0], centre[1], centre[2])
+        };
+        Self {
+            frame_from_box,
+            half: [half.x, half.y, half.z].map(f64::from),
+            is_solid,
+        }
+    }
+
+    /// Where it is when the parent is there.
+    pub fn at(&self, base_from_frame: &Pose) -> Oriented {
+        Oriented::new(&(base_from_frame * self.frame_from_box), self.half)
+    }
+}
+
+/// The upright box around a box, `grown` metres on every side, a hair wider than what rounding takes away.
+fn upright(at: &Oriented, grown: f64) -> Aabb {
+    let (centre, half) = (at.centre, at.extents());
+    let side = |i: usize, sign: f64| (centre[i] + sign * (half[i] + grown + ROUNDING)) as f32;
+    let corner = |sign: f64| Vector32::new(side(0, sign), side(1, sign), side(2, sign));
+    Aabb::new(corner(-1.0), corner(1.0))
+}
+
+/// Whether two solids meet. Their boxes tell first: they are much quicker, and mostly apart.
+pub(crate) fn meet(
+    bounds: (&Oriented, &Oriented),
+    are_boxes: bool,
+    solids_meet: impl FnOnce() -> bool,
+) -> bool {
+    if are_boxes {
+        return bounds.0.meets(bounds.1);
+    }
+    bounds.0.grown(ROUNDING).meets(bounds.1) && solids_meet()
+}
+
+/// The same by the solids alone.
+pub(crate) fn solids_meet(
+    pose: &Pose32,
+    shape: &SharedShape,
+    other_pose: &Pose32,
+    other: &SharedShape,
+) -> bool {
+    query::intersection_test(pose, shape.as_ref(), other_pose, other.as_ref())
+        .is_ok_and(|m| m.intersecting)
+}
+
+/// Whether the boxes around two solids tell that these are `distance` metres apart, or more.
+pub(crate) fn apart(bounds: &Oriented, other: &Oriented, distance: f32) -> bool {
+    bounds.least_distance(other) - ROUNDING >= f64::from(distance)
+}
+
 /// Distance of two solids, m, 0 when they meet; none for shapes that cannot be measured.
 ///
 /// For two boxes the library would look along the separating axis of largest gap only, which gives too much (some percent)
@@ -91,6 +167,8 @@ struct Solid {
     what: Obstacle,
     pose: Pose32,
     shape: SharedShape,
+    bounds: Oriented,
+    is_box: bool,
 }
 
 impl Solid {
@@ -110,7 +188,14 @@ impl World {
         let mut solids = Vec::new();
         let mut add = |what: Obstacle, placed: &PlacedShape| {
             let (pose, shape) = solid(placed, padding);
-            solids.push(Solid { what, pose, shape });
+            let around = BoxAround::new(placed, &pose, &shape);
+            solids.push(Solid {
+                what,
+                pose,
+                shape,
+                bounds: around.at(&Pose::identity()),
+                is_box: around.is_solid,
+            });
         };
         for (i, seen) in request.boxes.iter().enumerate() {
             let size = seen.size;
@@ -178,36 +263,43 @@ impl World {
         near.reduce(f64::max)
     }
 
-    /// What a body at `pose` meets, the first in a fixed order.
-    pub fn meets(&self, pose: &Pose32, shape: &SharedShape, without: &[usize]) -> Option<Obstacle> {
-        let around = shape.compute_aabb(pose);
+    /// What a body meets, the first in a fixed order. `frames` are those of [`crate::bodies::Robot::frames`],
+    /// `bounds` is the box around the body there.
+    pub fn meets(
+        &self,
+        body: &Body,
+        frames: &[Pose],
+        bounds: &Oriented,
+        without: &[usize],
+    ) -> Option<Obstacle> {
         self.tree
-            .intersect_aabb(&around)
+            .intersect_aabb(&upright(bounds, 0.0))
             .map(|i| &self.solids[i as usize])
             .filter(|s| !s.is_one_of(without))
             .find(|s| {
-                query::intersection_test(pose, shape.as_ref(), &s.pose, s.shape.as_ref())
-                    .is_ok_and(|t| t.intersecting)
+                meet((bounds, &s.bounds), body.is_box() && s.is_box, || {
+                    solids_meet(&body.pose(frames), &body.shape, &s.pose, &s.shape)
+                })
             })
             .map(|s| s.what)
     }
 
-    /// Distance to the nearest obstacle, m, at most `cap`, and which it is.
+    /// Distance of a body to the nearest obstacle, m, at most `cap`, and which it is.
     pub fn distance(
         &self,
+        body: &Body,
         pose: &Pose32,
-        shape: &SharedShape,
+        bounds: &Oriented,
         without: &[usize],
         cap: f32,
     ) -> (f32, Option<Obstacle>) {
-        let around = shape.compute_aabb(pose).loosened(cap);
         let mut nearest = (cap, None);
-        for i in self.tree.intersect_aabb(&around) {
+        for i in self.tree.intersect_aabb(&upright(bounds, f64::from(cap))) {
             let s = &self.solids[i as usize];
-            if s.is_one_of(without) {
+            if s.is_one_of(without) || apart(bounds, &s.bounds, nearest.0) {
                 continue;
             }
-            if let Some(d) = distance(pose, shape, &s.pose, &s.shape)
+            if let Some(d) = distance(pose, &body.shape, &s.pose, &s.shape)
                 && d < nearest.0
             {
                 nearest = (d, Some(s.what));

@@ -9,7 +9,7 @@
 mod blends;
 mod certificate;
 mod checker;
-mod oriented;
+pub(crate) mod oriented;
 mod refine;
 mod request;
 mod route;

@@ -1,0 +1,84 @@
+use depal_frames::JointPositions;
+
+use super::way::{Lifted, States};
+use crate::{
+    plan::{Motion, PickPlan, Waypoint},
+    situation::Situation,
+    suction::{along, loaded_percent, vertical_percent},
+    timing::{Trapezoid, chain_time},
+};
+
+/// A proven way as waypoints, with the velocities that the suction bears.
+pub(super) fn finished(
+    situation: &Situation,
+    lifted: &Lifted,
+    states: &States,
+    min_clearance: f64,
+) -> PickPlan {
+    let &Lifted { group, grasp, .. } = lifted;
+    let request = situation.request;
+    let (arm, settings) = (request.arm, request.settings);
+    let mut waypoints: Vec<Waypoint> = Vec::new();
+    let mut moves: Vec<(Trapezoid, bool)> = Vec::new();
+    let mut add = |joints: &JointPositions, profile: Trapezoid, motion, percent: f64, is_pick| {
+        waypoints.push(Waypoint {
+            joints: *joints,
+            base_from_tcp: situation.tool(joints),
+            motion,
+            velocity_percent: percent,
+            is_pick,
+        });
+        moves.push((profile.slowed(percent), is_pick));
+    };
+    let end = |states: &[JointPositions]| states[states.len() - 1];
+    let line = |states: &[JointPositions]| {
+        let [from, to] = [states[0], end(states)].map(|q| situation.tool(&q).translation.vector);
+        let length = (to - from).norm();
+        Trapezoid::line(length, settings.linear_speed, settings.linear_acceleration)
+    };
+    let profile = |w: &[JointPositions]| Trapezoid::joints(&w[0], &w[1], arm.limits());
+    let States {
+        there,
+        approach,
+        lift,
+        back,
+        set_down,
+    } = states;
+    for w in there.windows(2) {
+        add(&w[1], profile(w), Motion::Joint, 100.0, false);
+    }
+    add(&end(approach), line(approach), Motion::Linear, 100.0, true);
+    let upwards = vertical_percent(&grasp.hold, settings);
+    add(&end(lift), line(lift), Motion::Linear, upwards, false);
+    let carton_in_tcp = grasp.carried.pose.translation.vector;
+    for w in back.windows(2) {
+        let profile = profile(w);
+        let percent = loaded_percent(
+            &profile,
+            along(|q| situation.tool(q), &w[0], &w[1]),
+            &carton_in_tcp,
+            &grasp.hold,
+            settings,
+        );
+        add(&w[1], profile, Motion::Joint, percent, false);
+    }
+    add(&end(set_down), line(set_down), Motion::Linear, upwards, false);
+    let size = group.whole.size;
+    PickPlan {
+        pick_index: there.len() - 1,
+        estimated_time: chain_time(&moves),
+        waypoints,
+        box_index: group.members[0],
+        box_indices: group.members.clone(),
+        base_from_group: situation.base_from_group(group),
+        sections: grasp.sections.clone(),
+        tcp_offset: grasp.tcp_offset,
+        edge_corner_id: grasp.edge_corner_id,
+        group_orientation: u8::from(grasp.across),
+        box_orientation: u8::from(group.is_across),
+        group_size: [size.length, size.width, size.height],
+        carried: grasp.carried.clone(),
+        min_clearance,
+        rejected: Vec::new(),
+    }
+}
