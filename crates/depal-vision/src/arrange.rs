@@ -65,20 +65,10 @@ pub fn arrange(
     beside: &[u32],
     image: &DepthImage,
 ) -> Option<Arrangement> {
-    let (bx, by) = (patch.columns / BLOCK, patch.rows / BLOCK);
-    let mut blocks = Vec::new();
-    for j in 0..by {
-        for i in 0..bx {
-            let (i0, j0) = ((i * BLOCK) as isize, (j * BLOCK) as isize);
-            if patch.surface(i0, j0, i0 + BLOCK as isize, j0 + BLOCK as isize) > 0.9 {
-                blocks.push([i * BLOCK + BLOCK / 2, j * BLOCK + BLOCK / 2]);
-            }
-        }
-    }
     let mut search = Cover {
         patch,
         sizes,
-        blocks,
+        blocks: surface_blocks(patch),
         relief: Relief::new(patch),
         tries: 0,
         least: None,
@@ -181,6 +171,37 @@ pub fn arrange(
         ambiguous: false,
         unique,
     })
+}
+
+/// Middles of the blocks that are surface, row by row.
+fn surface_blocks(patch: &Patch) -> Vec<[usize; 2]> {
+    let (bx, by) = (patch.columns / BLOCK, patch.rows / BLOCK);
+    let mut blocks = Vec::new();
+    for j in 0..by {
+        for i in 0..bx {
+            let (i0, j0) = ((i * BLOCK) as isize, (j * BLOCK) as isize);
+            if patch.surface(i0, j0, i0 + BLOCK as isize, j0 + BLOCK as isize) > 0.9 {
+                blocks.push([i * BLOCK + BLOCK / 2, j * BLOCK + BLOCK / 2]);
+            }
+        }
+    }
+    blocks
+}
+
+/// True when a block belongs to one of the boxes, or to its rim.
+fn is_covered(block: &[usize; 2], boxes: &[Candidate]) -> bool {
+    boxes.iter().any(|b| {
+        (0..2).all(|k| block[k] + 5 >= b.first[k] && block[k] <= b.first[k] + b.cells[k] + 5)
+    })
+}
+
+/// Area of the surface that no box covers, square metres.
+pub fn uncovered(patch: &Patch, boxes: &[Candidate]) -> f64 {
+    let open = surface_blocks(patch)
+        .iter()
+        .filter(|block| !is_covered(block, boxes))
+        .count();
+    (open * BLOCK * BLOCK) as f64 * patch.pitch * patch.pitch
 }
 
 /// Distances in blocks over which noise is measured: that of a camera that smears goes on over many pixels.
@@ -334,13 +355,7 @@ impl Cover<'_> {
         if self.tries >= MOST_TRIES || self.least.is_some_and(|l| l.rules_out(&misfit)) {
             return;
         }
-        let covered = |block: &[usize; 2], placed: &[Candidate]| {
-            placed.iter().any(|p| {
-                (0..2)
-                    .all(|k| block[k] + 5 >= p.first[k] && block[k] <= p.first[k] + p.cells[k] + 5)
-            })
-        };
-        let Some(next) = (from..self.blocks.len()).find(|&b| !covered(&self.blocks[b], placed))
+        let Some(next) = (from..self.blocks.len()).find(|&b| !is_covered(&self.blocks[b], placed))
         else {
             if self.least.is_none_or(|l| misfit.squares < l.squares) {
                 self.least = Some(misfit);

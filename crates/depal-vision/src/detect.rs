@@ -127,7 +127,7 @@ fn find_boxes(
             found.push(single);
             return true;
         }
-        match surface.search(&mask, image, settings) {
+        match surface.search(&mask, image, settings, smallest) {
             Ok(boxes) => {
                 found.extend(boxes);
                 true

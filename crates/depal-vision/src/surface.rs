@@ -4,7 +4,7 @@ use depal_frames::{Intrinsics, Point, Vector};
 
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
-    arrange::{arrange, touches},
+    arrange::{arrange, touches, uncovered},
     components::Component,
     gate::DepthImage,
     measure::measure_whole,
@@ -253,11 +253,13 @@ impl Surface {
         mask: &[u8],
         image: &DepthImage,
         settings: &VisionSettings,
+        smallest: f64,
     ) -> Result<Vec<DetectedBox>, RejectedSurface> {
+        /// Less than this share of the smallest carton is no further one.
+        const LEAST_REST: f64 = 0.3;
         let patch = self.patch(mask, image, settings, &[])?;
         let (fixed, boxes) = outlined(&patch, image, settings, &mut Vec::new());
-        let explained: f64 = boxes.iter().map(|b| b.size.length * b.size.width).sum();
-        self.solved = explained > 0.95 * self.area;
+        self.solved = uncovered(&patch, &fixed) < LEAST_REST * smallest;
         if !self.solved {
             self.searched = Some(Searched {
                 patch,

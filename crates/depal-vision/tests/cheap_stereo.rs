@@ -88,6 +88,7 @@ fn two_layers(size: [f64; 2], columns: usize, rows: usize, upper: usize) -> Vec<
                     y: place(j, rows, size[1]),
                     top: TOP - HEIGHT * f64::from(1 - layer),
                     yaw: 0.0,
+                    tilt: [0.0; 2],
                     size: [size[0], size[1], HEIGHT],
                 });
             }
@@ -240,6 +241,7 @@ fn free_standing_tops_are_measured() {
         y: 0.02,
         top: TOP,
         yaw: 0.05,
+        tilt: [0.0; 2],
         size: [l, w, HEIGHT],
     });
     let mut score = Score::default();

@@ -35,6 +35,7 @@ fn pair(side: (usize, f64), hidden: f64, seed: u64) -> [Carton; 2] {
         y,
         top,
         yaw: r.uniform(-0.003, 0.003),
+        tilt: [0.0; 2],
         size: SIZE,
     };
     [carton(lower, LOW), carton(upper, LOW + HEIGHT)]

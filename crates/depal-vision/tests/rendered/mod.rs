@@ -16,6 +16,8 @@ pub struct Carton {
     pub y: f64,
     pub top: f64,
     pub yaw: f64,
+    /// Turns about the own X and Y through the middle of the top, radians, before the yaw.
+    pub tilt: [f64; 2],
     pub size: [f64; 3],
 }
 
@@ -31,6 +33,8 @@ pub enum Layout {
     Brick20,
     /// Four pinwheels of four, and a column of five.
     Pinwheel21,
+    /// Five rows of four, every other one shifted by half a carton.
+    RunningBond20,
 }
 
 impl Layout {
@@ -83,13 +87,23 @@ impl Layout {
                     .chain((0..5).map(|n| [1000.0, 200.0 * f64::from(n), 300.0, 200.0]))
                     .collect()
             }
+            Self::RunningBond20 => (0..5)
+                .flat_map(|j| {
+                    let shift = if j % 2 == 0 { 0.0 } else { 150.0 };
+                    row(200.0 * f64::from(j), shift, 4, 300.0, 200.0)
+                })
+                .collect(),
         }
     }
 
     pub fn sizes(self) -> Vec<BoxSize> {
         let mm = |l, w| BoxSize::from_mm([l, w, 200.0]);
         match self {
-            Self::Regular | Self::Regular20 | Self::Brick20 | Self::Pinwheel21 => {
+            Self::Regular
+            | Self::Regular20
+            | Self::Brick20
+            | Self::Pinwheel21
+            | Self::RunningBond20 => {
                 vec![mm(300.0, 200.0)]
             }
             Self::Brick | Self::Pinwheel => vec![mm(400.0, 300.0)],
@@ -100,18 +114,22 @@ impl Layout {
 
 pub const HEIGHT: f64 = 0.2;
 
-/// A layer with `gap` metres between its cartons, the middle of its tops at (0, 0, `top`).
-/// Each carton is turned and shifted a little where the gap leaves room, and tilted by a tenth of a degree.
-pub fn layer(layout: Layout, gap: f64, top: f64, seed: u64) -> Vec<Carton> {
-    let mut r = RandomStreams::new(seed).stream("layer");
+/// A place in a layer: middle, yaw, long and short side, metres and radians.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    pub x: f64,
+    pub y: f64,
+    pub yaw: f64,
+    pub long: f64,
+    pub short: f64,
+}
+
+/// The places of a layer with `gap` metres between its cartons, around (0, 0).
+pub fn places(layout: Layout, gap: f64) -> Vec<Place> {
     let rectangles = layout.rectangles();
     let [width, depth] = rectangles.iter().fold([0.0f64; 2], |b, r| {
         [b[0].max(r[0] + r[2]), b[1].max(r[1] + r[3])]
     });
-    // The whole layer stands as a forklift has left it.
-    let turn = r.uniform(-0.01, 0.01);
-    let shift = [r.uniform(-0.02, 0.02), r.uniform(-0.02, 0.02)];
-    let (s, c) = turn.sin_cos();
     // Gaps that lie before a carton: as many as cartons before it in its row or column.
     let before = |k: usize, rectangle: &[f64; 4]| {
         let mut at = rectangle[k];
@@ -134,26 +152,41 @@ pub fn layer(layout: Layout, gap: f64, top: f64, seed: u64) -> Vec<Carton> {
     rectangles
         .iter()
         .map(|rectangle| {
+            let [_, _, a, b] = *rectangle;
+            Place {
+                x: (rectangle[0] + a / 2.0 - width / 2.0) * 1e-3 + gap * before(0, rectangle),
+                y: (rectangle[1] + b / 2.0 - depth / 2.0) * 1e-3 + gap * before(1, rectangle),
+                yaw: if b > a { FRAC_PI_2 } else { 0.0 },
+                long: a.max(b) * 1e-3,
+                short: a.min(b) * 1e-3,
+            }
+        })
+        .collect()
+}
+
+/// A layer with `gap` metres between its cartons, the middle of its tops at (0, 0, `top`).
+/// Each carton is turned and shifted a little where the gap leaves room.
+pub fn layer(layout: Layout, gap: f64, top: f64, seed: u64) -> Vec<Carton> {
+    let mut r = RandomStreams::new(seed).stream("layer");
+    // The whole layer stands as a forklift has left it.
+    let turn = r.uniform(-0.01, 0.01);
+    let shift = [r.uniform(-0.02, 0.02), r.uniform(-0.02, 0.02)];
+    let (s, c) = turn.sin_cos();
+    places(layout, gap)
+        .iter()
+        .map(|place| {
             let free = f64::from(u8::from(gap >= 0.002));
             let jitter = (gap * 0.15).min(0.001) * free;
-            let x = (rectangle[0] + rectangle[2] / 2.0 - width / 2.0) * 1e-3
-                + gap * before(0, rectangle)
-                + r.uniform(-jitter, jitter);
-            let y = (rectangle[1] + rectangle[3] / 2.0 - depth / 2.0) * 1e-3
-                + gap * before(1, rectangle)
-                + r.uniform(-jitter, jitter);
-            let turned = rectangle[3] > rectangle[2];
-            let (long, short) = (
-                rectangle[2].max(rectangle[3]) * 1e-3,
-                rectangle[2].min(rectangle[3]) * 1e-3,
-            );
-            let room = (gap / long * 0.3).min(0.005) * free;
+            let x = place.x + r.uniform(-jitter, jitter);
+            let y = place.y + r.uniform(-jitter, jitter);
+            let room = (gap / place.long * 0.3).min(0.005) * free;
             Carton {
                 x: x * c - y * s + shift[0],
                 y: x * s + y * c + shift[1],
                 top: top + r.uniform(-0.0005, 0.0005),
-                yaw: turn + if turned { FRAC_PI_2 } else { 0.0 } + r.uniform(-room, room),
-                size: [long, short, HEIGHT],
+                yaw: turn + place.yaw + r.uniform(-room, room),
+                tilt: [0.0; 2],
+                size: [place.long, place.short, HEIGHT],
             }
         })
         .collect()
@@ -179,8 +212,21 @@ pub fn block(
 
 impl Carton {
     pub fn shape(&self, id: u32) -> RenderShape {
-        let centre = [self.x, self.y, self.top - self.size[2] / 2.0];
-        block(id, centre, self.size, self.yaw, Material::KRAFT)
+        let rotation = self.rotation();
+        let centre =
+            Vector::new(self.x, self.y, self.top) - rotation * Vector::z() * (self.size[2] / 2.0);
+        RenderShape {
+            world_from_shape: Pose::from_parts(centre.into(), rotation),
+            shape: Shape::cuboid(self.size[0], self.size[1], self.size[2]),
+            id,
+            material: Material::KRAFT,
+        }
+    }
+
+    pub fn rotation(&self) -> Rotation {
+        Rotation::new(Vector::z() * self.yaw)
+            * Rotation::new(Vector::x() * self.tilt[0])
+            * Rotation::new(Vector::y() * self.tilt[1])
     }
 }
 
@@ -283,7 +329,8 @@ impl Score {
                 .push((carton.x - p.x).hypot(carton.y - p.y) * 1e3);
             self.z_mm.push((carton.top - p.z).abs() * 1e3);
             self.yaw_deg.push(yaw.abs().to_degrees());
-            self.tilt_deg.push(normal.angle(&Vector::z()).to_degrees());
+            let upright = carton.rotation() * Vector::z();
+            self.tilt_deg.push(normal.angle(&upright).to_degrees());
         }
     }
 
