@@ -1,3 +1,4 @@
+mod beside;
 mod cell;
 mod collisions;
 mod grips;
