@@ -48,7 +48,7 @@ fn pose(xyz_mm: [f64; 3], [w, x, y, z]: [f64; 4]) -> Pose {
 /// Mean error over the corners of the pallet volume, mm.
 fn corner_error_mm(scene: &Scene, base_from_camera: &Pose) -> f64 {
     let spec = scene.cell_spec().expect("a sound scene");
-    let truth = spec.world_from_base.inverse() * spec.world_from_camera;
+    let truth = spec.true_carrier_from_camera();
     let corners = (0..8).map(|k| {
         let side = |bit: usize| if k & bit == 0 { -0.5 } else { 0.5 };
         let height = 0.144 + 1.5 * (side(4) + 0.5);

@@ -117,8 +117,8 @@ impl CalibrationRun {
         })
     }
 
-    /// Takes a picture. `shapes` is what else is in view, `standing` where the arm stands (base from flange),
-    /// `reported` where the robot says that it stands.
+    /// Takes a picture. `shapes` is what else is in view, `standing` where the arm means to stand (base from
+    /// flange), `reported` where the robot says that it stands. Board or camera go with the flange.
     ///
     /// # Errors
     /// The picture is of no use; the calibration goes on without it.
@@ -136,7 +136,7 @@ impl CalibrationRun {
         let world_from_board = cell.world_from_base * self.spec.base_from_board(&flange);
         let frame = self.spec.picture(
             &cell.camera,
-            &cell.world_from_camera,
+            &cell.world_from_camera(Some(&flange)),
             &world_from_board,
             shapes,
             random.next_u64(),
@@ -155,18 +155,5 @@ impl CalibrationRun {
     /// See [`CalibrationProblem`].
     pub fn finish(&self) -> Result<Calibration, CalibrationProblem> {
         self.session.finish()
-    }
-}
-
-impl CellSpec {
-    /// Takes over a new camera pose. The projects' regions stay where they are in the base.
-    pub fn recalibrate(&mut self, base_from_camera: Pose) {
-        let new_from_old = base_from_camera.inverse() * self.base_from_camera;
-        for project in self.projects.values_mut() {
-            if let Some(region) = &mut project.settings.region {
-                region.camera_from_region = new_from_old * region.camera_from_region;
-            }
-        }
-        self.base_from_camera = base_from_camera;
     }
 }

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use depal_camera::RenderShape;
 use depal_frames::Pose;
 use depal_time::SimTime;
-use depal_vision::calibration::{Calibration, Mounting};
+use depal_vision::calibration::Calibration;
 
 use crate::calibration::CalibrationRun;
 use crate::event::{EventKind, LoggedPose, round};
@@ -48,7 +48,8 @@ impl CalibrationDesk {
     }
 
     /// Takes the pictures that are due. `standing` is where the flange stands (in the base); without it the
-    /// robot is where it says it is. The new `base_from_camera` after the last pose, if there is one.
+    /// robot is where it says it is. After the last pose, if all went well, where the camera is on what carries
+    /// it: in the base, or on the flange.
     pub(crate) fn advance(
         &mut self,
         now: SimTime,
@@ -89,10 +90,8 @@ impl CalibrationDesk {
                 match run.finish() {
                     Ok(result) => {
                         events.push(say(summary(&result, spec)));
-                        if let Some(base_from_camera) = base_from_camera(&result) {
-                            events.push(logged(&result, run.pictures(), &base_from_camera, spec));
-                            found = Some(base_from_camera);
-                        }
+                        events.push(logged(&result, run.pictures(), spec));
+                        found = Some(result.camera);
                     }
                     Err(problem) => events.push(say(format!("no calibration: {problem}"))),
                 }
@@ -103,12 +102,15 @@ impl CalibrationDesk {
     }
 }
 
-fn logged(result: &Calibration, taken: u32, base_from_camera: &Pose, spec: &CellSpec) -> EventKind {
-    let truth = spec.world_from_base.inverse() * spec.world_from_camera;
-    let distance = base_from_camera.translation.vector - truth.translation.vector;
-    let angle = base_from_camera.rotation.angle_to(&truth.rotation);
+fn logged(result: &Calibration, taken: u32, spec: &CellSpec) -> EventKind {
+    let truth = spec.true_carrier_from_camera();
+    let distance = result.camera.translation.vector - truth.translation.vector;
+    let angle = result.camera.rotation.angle_to(&truth.rotation);
+    let is_on_flange = spec.is_eye_in_hand();
+    let camera = LoggedPose::from(&result.camera);
     EventKind::Calibrated {
-        base_from_camera: LoggedPose::from(base_from_camera),
+        base_from_camera: (!is_on_flange).then_some(camera),
+        flange_from_camera: is_on_flange.then_some(camera),
         residual_rms_mm: round(result.rms * 1e3, 1e6),
         residual_max_mm: round(result.max * 1e3, 1e6),
         used: result.poses.iter().filter(|pose| pose.used).count(),
@@ -118,14 +120,14 @@ fn logged(result: &Calibration, taken: u32, base_from_camera: &Pose, spec: &Cell
     }
 }
 
-/// The pose that detections go through; a camera on the flange has none of its own.
-fn base_from_camera(result: &Calibration) -> Option<Pose> {
-    (result.mounting == Mounting::EyeToHand).then_some(result.camera)
-}
-
 fn summary(result: &Calibration, spec: &CellSpec) -> String {
     let at = result.camera.translation.vector * 1e3;
-    let before = spec.base_from_camera;
+    let before = spec.carrier_from_camera;
+    let carrier = if spec.is_eye_in_hand() {
+        "on the flange"
+    } else {
+        "in the base"
+    };
     let moved = (result.camera.translation.vector - before.translation.vector).norm() * 1e3;
     let turned = result
         .camera
@@ -133,7 +135,7 @@ fn summary(result: &Calibration, spec: &CellSpec) -> String {
         .angle_to(&before.rotation)
         .to_degrees();
     format!(
-        "calibrated: camera at ({:.2}, {:.2}, {:.2}) mm in the base, {moved:.2} mm and {turned:.3} degrees \
+        "calibrated: camera at ({:.2}, {:.2}, {:.2}) mm {carrier}, {moved:.2} mm and {turned:.3} degrees \
          from before, residual {:.3} mm, {} of {} poses used",
         at.x,
         at.y,

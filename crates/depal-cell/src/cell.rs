@@ -6,7 +6,7 @@ use depal_frames::{JointPositions, Pose};
 use depal_interface::plc_port;
 use depal_time::{SimDuration, SimTime, TICK};
 use depal_vm::execution::RobotTask;
-use depal_world::{VisibleKind, World, WorldEvent};
+use depal_world::{VisibleKind, VisibleShape, World, WorldEvent};
 
 use crate::digest::Digest;
 use crate::error::CellError;
@@ -242,8 +242,10 @@ impl Cell {
         self.score_tick(&valves, &world_events);
         self.last_valves = valves;
         // 7. Camera, vision and planner.
+        let base_from_flange = self.spec.arm.base_from_flange(&joints);
         let seen = self.vision.is_exposure_due(self.now).then(|| Seen {
             shapes: render_shapes(&self.world),
+            base_from_flange: Some(base_from_flange),
             cartons: self.pickable_cartons(),
         });
         self.vision.advance(
@@ -259,11 +261,11 @@ impl Cell {
                 self.now,
                 &self.spec,
                 &render_shapes(&self.world),
-                Some(self.spec.arm.base_from_flange(&joints)),
+                Some(base_from_flange),
                 &mut self.pending,
             );
-            if let Some(base_from_camera) = found {
-                self.spec.recalibrate(base_from_camera);
+            if let Some(carrier_from_camera) = found {
+                self.spec.recalibrate(carrier_from_camera);
             }
         }
         // 8. Log.
@@ -581,21 +583,29 @@ fn check_wiring(spec: &CellSpec, controller: &Controller) -> Result<(), CellErro
 
 /// Everything in view of a camera, with its surface; the ids are those of the world.
 pub fn render_shapes(world: &World) -> Vec<RenderShape> {
-    world
-        .visible_shapes()
-        .into_iter()
-        .map(|visible| RenderShape {
-            world_from_shape: visible.shape.pose,
-            shape: visible.shape.shape,
-            id: visible.id,
-            material: match visible.kind {
-                VisibleKind::Carton(_) => Material::KRAFT,
-                VisibleKind::Fixed(_) => Material::WOOD,
-                VisibleKind::Conveyor(_) => Material::CONCRETE,
-                VisibleKind::Link(_) | VisibleKind::Tool => Material::PAINT,
-            },
-        })
-        .collect()
+    let shapes = world.visible_shapes().into_iter();
+    shapes.map(drawn).collect()
+}
+
+/// The same without arm and tool.
+pub(crate) fn scenery_shapes(world: &World) -> Vec<RenderShape> {
+    let is_robot = |kind| matches!(kind, VisibleKind::Link(_) | VisibleKind::Tool);
+    let shapes = world.visible_shapes().into_iter();
+    shapes.filter(|s| !is_robot(s.kind)).map(drawn).collect()
+}
+
+fn drawn(visible: VisibleShape) -> RenderShape {
+    RenderShape {
+        world_from_shape: visible.shape.pose,
+        shape: visible.shape.shape,
+        id: visible.id,
+        material: match visible.kind {
+            VisibleKind::Carton(_) => Material::KRAFT,
+            VisibleKind::Fixed(_) => Material::WOOD,
+            VisibleKind::Conveyor(_) => Material::CONCRETE,
+            VisibleKind::Link(_) | VisibleKind::Tool => Material::PAINT,
+        },
+    }
 }
 
 /// Largest height difference between the stack as specified and as settled, metres.

@@ -214,8 +214,12 @@ pub enum EventKind {
     },
     /// Command 701 came to a new camera pose, which all later pictures go through.
     Calibrated {
-        /// Where the camera is in the robot base.
-        base_from_camera: LoggedPose,
+        /// Where a camera that stands still is in the robot base.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        base_from_camera: Option<LoggedPose>,
+        /// Where a camera on the flange is there.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        flange_from_camera: Option<LoggedPose>,
         /// Root mean square distance of the disc centres from their places, mm.
         residual_rms_mm: f64,
         /// The largest, mm.

@@ -22,6 +22,7 @@ pub mod error;
 pub mod event;
 mod gripper_io;
 mod link;
+mod mounting;
 pub mod observer;
 mod picks;
 mod picture;

@@ -16,6 +16,8 @@ use crate::truth::{PICKABLE_FRACTION, TrueCarton, match_reports, visible_fractio
 pub(crate) struct Seen {
     /// Every solid in view.
     pub(crate) shapes: Vec<RenderShape>,
+    /// Where the flange stands in the base; absent: where the robot says that it is.
+    pub(crate) base_from_flange: Option<Pose>,
     /// Cartons that could be asked for.
     pub(crate) cartons: Vec<TrueCarton>,
 }
@@ -26,16 +28,19 @@ pub(crate) struct Picture {
     /// The vision project that it was taken for.
     pub(crate) project: i32,
     pub(crate) detection: Detection,
-    /// Reported top-face poses in the robot base, through the calibrated camera pose.
+    /// Where the camera is taken to have been: calibrated, and on the flange that the robot has told.
+    pub(crate) base_from_camera: Pose,
+    /// Reported top-face poses in the robot base, through that camera pose.
     pub(crate) base_from_boxes: Vec<Pose>,
     /// By truth; goes into the score, never to vision, planner or program.
     pub(crate) cartons: Vec<Option<u32>>,
 }
 
-/// Takes and evaluates frame `number`.
+/// Takes and evaluates frame `number`. `reported` is the flange in the base as the robot has told it.
 pub(crate) fn take_picture(
     spec: &CellSpec,
     project: &VisionProject,
+    reported: Option<&Pose>,
     number: u32,
     now: SimTime,
     seen: &Seen,
@@ -47,27 +52,26 @@ pub(crate) fn take_picture(
     let noise_seed = RandomStreams::new(spec.seed)
         .stream(&format!("camera/{number}"))
         .next_u64();
-    let Capture { frame, ids, .. } = capture(
-        &spec.camera,
-        &spec.world_from_camera,
-        &seen.shapes,
-        noise_seed,
-    );
+    let world_from_camera = spec.world_from_camera(seen.base_from_flange.as_ref().or(reported));
+    let Capture { frame, ids, .. } =
+        capture(&spec.camera, &world_from_camera, &seen.shapes, noise_seed);
+    let base_from_camera = spec.base_from_camera(reported);
+    let settings = project.settings_from(&base_from_camera);
     let started = stopwatch();
-    let detection = detect(&frame, &project.settings);
+    let detection = detect(&frame, &settings);
     score.vision_ms.push((stopwatch() - started) * 1e3);
 
     let base_from_boxes: Vec<Pose> = detection
         .boxes
         .iter()
-        .map(|found| spec.base_from_camera * found.camera_from_box)
+        .map(|found| base_from_camera * found.camera_from_box)
         .collect();
     let world_from_boxes: Vec<Pose> = base_from_boxes
         .iter()
         .map(|base_from_box| spec.world_from_base * base_from_box)
         .collect();
 
-    let camera_from_world = spec.world_from_camera.inverse();
+    let camera_from_world = world_from_camera.inverse();
     let visible = |carton: &TrueCarton| {
         visible_fraction(carton, &camera_from_world, &spec.camera.intrinsics, &ids)
     };
@@ -94,7 +98,7 @@ pub(crate) fn take_picture(
         time: now,
         number,
         frame: &frame,
-        world_from_camera: spec.world_from_base * spec.base_from_camera,
+        world_from_camera: spec.world_from_base * base_from_camera,
         detections: world_from_boxes
             .iter()
             .zip(&detection.boxes)
@@ -112,7 +116,7 @@ pub(crate) fn take_picture(
         obstacle_points: detection
             .obstacle_points
             .iter()
-            .map(|point| spec.world_from_base * spec.base_from_camera * point)
+            .map(|point| spec.world_from_base * base_from_camera * point)
             .collect(),
     };
     for observer in observers.iter_mut() {
@@ -140,6 +144,7 @@ pub(crate) fn take_picture(
     Picture {
         project: project.id,
         cartons: matches.iter().map(|m| m.map(|m| m.carton)).collect(),
+        base_from_camera,
         base_from_boxes,
         detection,
     }

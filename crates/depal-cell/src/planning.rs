@@ -200,7 +200,7 @@ fn plan_one(
         .detection
         .obstacle_points
         .iter()
-        .map(|point| spec.base_from_camera * point)
+        .map(|point| picture.base_from_camera * point)
         .collect();
     let settings = PlannerSettings {
         max_group: pick.max_group as usize,

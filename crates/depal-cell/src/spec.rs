@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use depal_arm::Arm;
-use depal_camera::CameraSpec;
+use depal_camera::{CameraSpec, Mounting};
 use depal_controller::ControllerSpec;
-use depal_frames::{BoxSize, PlacedShape, Pose};
+use depal_frames::{BoxSize, PlacedShape, Pose, Vector};
 use depal_gripper::GripperSpec;
 use depal_interface::{self as interface, ServerSettings};
 use depal_planner::{PlaceSpec, PlannerSettings};
 use depal_time::SimDuration;
-use depal_vision::VisionSettings;
+use depal_vision::{RegionOfInterest, VisionSettings};
 use depal_workflow::Project;
 use depal_world::{CartonSpec, WorldSpec};
 
@@ -42,10 +42,11 @@ pub struct CellSpec {
     pub settle_time: SimDuration,
     /// The camera.
     pub camera: CameraSpec,
-    /// Where the camera really is.
-    pub world_from_camera: Pose,
-    /// Where calibration says it is; vision results reach the robot through this pose alone.
-    pub base_from_camera: Pose,
+    /// What carries the camera, and where it really is.
+    pub mounting: Mounting,
+    /// Where calibration says the camera is: in the robot base, or on the flange if that carries it. Vision
+    /// results reach the robot through this pose alone, see [`CellSpec::base_from_camera`].
+    pub carrier_from_camera: Pose,
     /// The board for command 701; absent: no calibration is set up.
     pub calibration: Option<CalibrationSpec>,
     /// The vision projects by number.
@@ -81,14 +82,25 @@ pub struct CellSpec {
 pub struct VisionProject {
     /// Its number.
     pub id: i32,
-    /// Settings of the estimation, sizes of the first recipe included. The region is in the camera frame.
+    /// Settings of the estimation, sizes of the first recipe included, without a region.
     pub settings: VisionSettings,
+    /// Where cartons are looked for; absent: everywhere in view.
+    pub region: Option<Region>,
     /// Sizes by recipe number.
     pub recipes: BTreeMap<i32, Vec<BoxSize>>,
     /// Data of the project's own that goes out with every point.
     pub custom_ports: Vec<CustomPort>,
     /// The project plans a path by these steps, the recognition included; absent: it gives points.
     pub path: Option<Project>,
+}
+
+/// A box in which cartons are looked for. It stays where it is, wherever the camera goes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// Its middle and axes in the robot base.
+    pub base_from_region: Pose,
+    /// Half of its sides, metres.
+    pub half_extents: Vector,
 }
 
 /// Data of a vision project's own under a name.
@@ -110,6 +122,18 @@ pub enum CustomRows {
 }
 
 impl VisionProject {
+    /// The settings for a picture that was taken from there, the region in the camera frame.
+    pub fn settings_from(&self, base_from_camera: &Pose) -> VisionSettings {
+        let camera_from_base = base_from_camera.inverse();
+        VisionSettings {
+            region: self.region.as_ref().map(|region| RegionOfInterest {
+                camera_from_region: camera_from_base * region.base_from_region,
+                half_extents: region.half_extents,
+            }),
+            ..self.settings.clone()
+        }
+    }
+
     /// What goes out with each of `points` points, a row of every port for each.
     ///
     /// # Errors

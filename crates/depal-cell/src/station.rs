@@ -13,11 +13,12 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use depal_camera::RenderShape;
 use depal_interface::{ConnectionId, Encoding, LogEntry, PortId, Profile};
 use depal_time::{SimTime, TICK};
 use depal_world::World;
 
-use crate::cell::{arm_poses, render_shapes};
+use crate::cell::{arm_poses, render_shapes, scenery_shapes};
 use crate::computing::Elsewhere;
 pub use crate::computing::{Errand, Errands};
 use crate::error::CellError;
@@ -58,9 +59,9 @@ impl Lane {
         if !desk.is_due(now) {
             return;
         }
-        let shapes = render_shapes(world);
-        if let Some(base_from_camera) = desk.advance(now, &self.spec, &shapes, None, events) {
-            Arc::make_mut(&mut self.spec).recalibrate(base_from_camera);
+        let shapes = in_view(&self.spec, world);
+        if let Some(found) = desk.advance(now, &self.spec, &shapes, None, events) {
+            Arc::make_mut(&mut self.spec).recalibrate(found);
             if let Some(elsewhere) = &mut self.vision.elsewhere {
                 elsewhere.spec = Arc::clone(&self.spec);
             }
@@ -278,7 +279,8 @@ impl Station {
                 lane.vision.server.handle_timeout(now);
             }
             let seen = lane.vision.is_exposure_due(now).then(|| Seen {
-                shapes: render_shapes(&self.world),
+                shapes: in_view(&lane.spec, &self.world),
+                base_from_flange: None,
                 cartons: cartons(&self.world),
             });
             let mut events = Vec::new();
@@ -324,6 +326,16 @@ impl Station {
 
 /// Each lane's server has one port.
 const LANE_PORT: PortId = PortId(0);
+
+/// What a camera sees. The arm of the cell stands at its start; a camera on the flange is on the flange of the
+/// client's robot, which is wherever it says it is and is not drawn.
+fn in_view(spec: &CellSpec, world: &World) -> Vec<RenderShape> {
+    if spec.is_eye_in_hand() {
+        scenery_shapes(world)
+    } else {
+        render_shapes(world)
+    }
+}
 
 /// Every carton lies still and could be asked for.
 fn cartons(world: &World) -> Vec<TrueCarton> {

@@ -3,8 +3,10 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use depal_frames::{BoxSize, JointPositions};
-use depal_interface::{Direction, FrameFaults, JobId, PortId, Server, Status};
+use depal_frames::{BoxSize, JointPositions, Pose};
+use depal_interface::{
+    Direction, FrameFaults, JobId, PortId, Server, ServerSettings, Status,
+};
 use depal_time::{SimTime, TICK};
 use depal_workflow::Engine;
 
@@ -49,6 +51,8 @@ pub(crate) enum Work {
     Exposure {
         owner: Owner,
         project: VisionProject,
+        /// The flange in the base as the robot has told it.
+        reported: Option<Pose>,
     },
     /// The poses are there at their due time.
     Poses { owner: Owner, picture: Picture },
@@ -63,6 +67,8 @@ struct StepRun {
     owner: Owner,
     engine: Engine<PlannedPick>,
     start: JointPositions,
+    /// The flange in the base as the robot has told it.
+    reported: Option<Pose>,
     box_sizes: Vec<(i32, BoxSize)>,
     recipes: Vec<(i32, i32)>,
     picture: Option<Picture>,
@@ -109,7 +115,10 @@ impl VisionSide {
             }
         }
         Ok(Self {
-            server: Server::new(spec.interface.clone())?,
+            server: Server::new(ServerSettings {
+                needs_robot_pose: spec.is_eye_in_hand(),
+                ..spec.interface.clone()
+            })?,
             engine: engine(&spec.workflow)?,
             path_engines,
             runs: Vec::new(),
@@ -211,6 +220,7 @@ impl VisionSide {
         spec: &CellSpec,
         owner: Owner,
         project: VisionProject,
+        reported: Option<Pose>,
         score: &mut Score,
         events: &mut Vec<EventKind>,
     ) {
@@ -218,7 +228,12 @@ impl VisionSide {
         score.first_exposure.get_or_insert(now);
         events.push(EventKind::Exposure { frame: self.frames });
         let due = now + spec.latencies.exposure;
-        self.work.push((due, Work::Exposure { owner, project }));
+        let exposure = Work::Exposure {
+            owner,
+            project,
+            reported,
+        };
+        self.work.push((due, exposure));
     }
 
     /// Whether the shutter opens now: the cell then shows what is in view.
@@ -297,7 +312,11 @@ impl VisionSide {
                 Work::Exposure { owner, .. } if self.frame_faults.camera_is_lost(now) => {
                     self.lose_camera(now, owner, events);
                 }
-                Work::Exposure { owner, project } => {
+                Work::Exposure {
+                    owner,
+                    project,
+                    reported,
+                } => {
                     let Some(seen) = seen else {
                         continue;
                     };
@@ -308,6 +327,7 @@ impl VisionSide {
                             let picture = take_picture(
                                 spec,
                                 &project,
+                                reported.as_ref(),
                                 frame,
                                 now,
                                 &seen,
@@ -325,6 +345,7 @@ impl VisionSide {
                     let picture = take_picture(
                         spec,
                         &project,
+                        reported.as_ref(),
                         self.frames,
                         now,
                         seen,

@@ -32,8 +32,8 @@ pub enum Job {
     StartViz {
         /// The run.
         job_id: JobId,
-        /// Where the path starts; absent: the planner's home.
-        start: Option<JointPositions>,
+        /// Where the robot says it is, or where the path starts; nothing: the planner's home.
+        pose: RobotPose,
         /// Box sizes set by 501, by vision project.
         box_sizes: Vec<(i32, BoxSize)>,
         /// Recipes chosen by 103, by vision project.
@@ -120,7 +120,7 @@ pub enum Job {
     },
 }
 
-/// What a robot tells with command 101.
+/// What a robot tells with commands 100, 101, 200 and 201.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RobotPose {
     /// Nothing.
@@ -134,6 +134,19 @@ pub enum RobotPose {
     },
     /// Where a planned path shall start, radians.
     PathStart(JointPositions),
+}
+
+impl RobotPose {
+    /// Whether it tells where the robot is: then a camera on its flange can be placed.
+    pub fn is_current(&self) -> bool {
+        match self {
+            Self::Current {
+                joints,
+                base_from_flange,
+            } => joints.is_some() || base_from_flange.is_some(),
+            Self::NotSent | Self::PathStart(_) => false,
+        }
+    }
 }
 
 /// What vision found, or why it did not.

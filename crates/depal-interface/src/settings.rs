@@ -27,6 +27,9 @@ pub struct ServerSettings {
     pub property_config: String,
     /// Where 701 sends the robot, in order: 3 to 100 poses, or none if no calibration is set up.
     pub calibration: Vec<CalibrationPose>,
+    /// The camera is on the flange: a run must be told where the robot is. 100 and 101 without the robot's
+    /// joints or flange are refused with 1006, 200 and 201 with 2013.
+    pub needs_robot_pose: bool,
     /// What shall go wrong on every port; each counts for itself.
     pub faults: FaultScript,
 }
@@ -73,6 +76,7 @@ impl Default for ServerSettings {
             variables: Vec::new(),
             property_config: String::new(),
             calibration: Vec::new(),
+            needs_robot_pose: false,
             faults: FaultScript::default(),
         }
     }

@@ -99,6 +99,9 @@ impl Session {
         if run.is_running() {
             return Status::VisionRunning;
         }
+        if self.needs_robot_pose && !pose.is_current() {
+            return Status::InvalidVisionPose;
+        }
         let (recipe, box_size) = (run.recipe, run.box_size);
         let job_id = self.next_job_id();
         if let Some(run) = self.vision.get_mut(&project) {

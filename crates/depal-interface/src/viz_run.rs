@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use depal_frames::JointPositions;
+use depal_frames::{JointPositions, Pose};
 use depal_wire::{
     GetDoList, GetPlanData, GetVizPath, Reply, RunViz, SetBranch, SetIndex, StartViz, Status,
     VizStartPayload,
 };
 
 use crate::dispatch::{Answer, Asked};
-use crate::job::{Job, JobId, PlannedPath};
+use crate::job::{Job, JobId, PlannedPath, RobotPose};
 use crate::path_fetch::PathFetch;
 use crate::session::Session;
 
@@ -40,26 +40,44 @@ impl Session {
         if self.viz_project.is_none() {
             return Status::VizNoAutoload;
         }
-        let start = match &request.start {
-            VizStartPayload::NotSent => None,
-            VizStartPayload::JointsAndFlange { joints_deg, .. }
-            | VizStartPayload::StartJoints(joints_deg) => {
-                Some(JointPositions::from_degrees(joints_deg))
+        let pose = match &request.start {
+            VizStartPayload::NotSent => RobotPose::NotSent,
+            VizStartPayload::JointsAndFlange { joints_deg, flange } => RobotPose::Current {
+                joints: Some(JointPositions::from_degrees(joints_deg)),
+                base_from_flange: match self.viz_flange(flange.as_ref()) {
+                    Ok(base_from_flange) => base_from_flange,
+                    Err(status) => return status,
+                },
+            },
+            VizStartPayload::StartJoints(joints_deg) => {
+                RobotPose::PathStart(JointPositions::from_degrees(joints_deg))
             }
             VizStartPayload::UnknownType(_) => return Status::InvalidVizPoseType,
         };
-        self.begin_viz(start)
+        self.begin_viz(pose)
     }
 
-    fn begin_viz(&mut self, start: Option<JointPositions>) -> Status {
+    /// The flange of a start of the Viz project. One out of any reach is refused where a camera hangs on
+    /// it, and left aside where it is of no use.
+    fn viz_flange(&self, sent: Option<&[f64; 6]>) -> Result<Option<Pose>, Status> {
+        match sent.map(|values| self.near_pose(values)) {
+            Some(None) if self.needs_robot_pose => Err(Status::InvalidVizPose),
+            known => Ok(known.flatten()),
+        }
+    }
+
+    fn begin_viz(&mut self, pose: RobotPose) -> Status {
         if matches!(self.viz, VizRun::Running { .. }) {
             return Status::VizRunning;
+        }
+        if self.needs_robot_pose && !pose.is_current() {
+            return Status::InvalidVizPose;
         }
         let job_id = self.next_job_id();
         let runs = self.vision.iter();
         let job = Job::StartViz {
             job_id,
-            start,
+            pose,
             box_sizes: runs
                 .clone()
                 .filter_map(|(id, run)| Some((*id, run.box_size?)))
@@ -223,9 +241,18 @@ impl Session {
                 Err(status) => return refuse(status),
             },
         };
-        let is_sent = request.joints_deg.iter().any(|joint| *joint != 0.0);
-        let start = is_sent.then(|| JointPositions::from_degrees(&request.joints_deg));
-        match self.begin_viz(start) {
+        let is_sent = |values: &[f64; 6]| values.iter().any(|value| *value != 0.0);
+        let flange = is_sent(&request.flange).then_some(&request.flange);
+        let pose = match self.viz_flange(flange) {
+            Err(status) => return refuse(status),
+            Ok(None) if !is_sent(&request.joints_deg) => RobotPose::NotSent,
+            Ok(base_from_flange) => RobotPose::Current {
+                joints: is_sent(&request.joints_deg)
+                    .then(|| JointPositions::from_degrees(&request.joints_deg)),
+                base_from_flange,
+            },
+        };
+        match self.begin_viz(pose) {
             Status::VizStarted => {}
             status => return refuse(status),
         }

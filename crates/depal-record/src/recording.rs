@@ -382,6 +382,11 @@ impl Observer for Recording {
 
     fn on_capture(&mut self, capture: &CaptureView<'_>) {
         self.set_time(capture.time);
+        if self.setup.world_from_camera.is_none() {
+            let at = transform(&capture.world_from_camera);
+            let result = self.stream.log("world/camera", &at);
+            self.keep(result);
+        }
         let result = log_capture(&self.stream, capture);
         self.keep(result);
     }

@@ -27,8 +27,8 @@ pub struct RecordingSetup {
     pub fixed: Vec<(String, Vec<PlacedShape>, [u8; 3])>,
     /// The camera.
     pub intrinsics: Intrinsics,
-    /// World pose of the camera.
-    pub world_from_camera: Pose,
+    /// World pose of a camera that stands still; one on the flange comes with each capture.
+    pub world_from_camera: Option<Pose>,
 }
 
 /// Draws what stands still, the shapes of what moves, and the names of the plots.
@@ -60,7 +60,9 @@ pub(crate) fn log_setup(
         tool.push((PlacedShape::cuboid(centre, size), [30, 110, 180]));
     }
     log_static_shapes(stream, "world/robot/gripper", &tool)?;
-    stream.log_static("world/camera", &transform(&setup.world_from_camera))?;
+    if let Some(world_from_camera) = &setup.world_from_camera {
+        stream.log_static("world/camera", &transform(world_from_camera))?;
+    }
     let step = IMAGE_STEP as f32;
     let i = &setup.intrinsics;
     stream.log_static(

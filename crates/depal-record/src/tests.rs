@@ -42,7 +42,7 @@ fn setup() -> RecordingSetup {
             cx: 1.5,
             cy: 1.5,
         },
-        world_from_camera: Pose::identity(),
+        world_from_camera: Some(Pose::identity()),
     }
 }
 

@@ -1,5 +1,6 @@
 //! The board and the poses of a hand-eye calibration.
 
+use crate::camera::CameraMount;
 use crate::choice::{choice, one_of};
 use crate::reader::{Checker, section};
 use crate::rules::{ANGLE_DEG, COORDINATE_MM, LENGTH_MM, Maybe, Numbers, number, table, whole};
@@ -11,6 +12,16 @@ choice! {
         Flange = "flange",
         /// Standing still, for a camera on the flange.
         Fixed = "fixed",
+    }
+}
+
+impl BoardMounting {
+    /// Where a board is of use to a camera.
+    pub fn before(camera: CameraMount) -> Self {
+        match camera {
+            CameraMount::World => Self::Flange,
+            CameraMount::Flange => Self::Fixed,
+        }
     }
 }
 
@@ -54,19 +65,21 @@ section! {
     pub struct Calibration {
         /// The board.
         board: Board, table(), section;
-        /// Where the board is mounted.
-        /// Default flange: the camera of a pallet cell hangs still.
-        mounted: BoardMounting, one_of(), default(BoardMounting::Flange);
+        /// Where the board is mounted: where the camera is not.
+        /// Default: what `camera.mount` leaves, flange for a camera in the world, fixed for one on the flange.
+        mounted: Option<BoardMounting>, Maybe(one_of()), default(None);
         /// Middle of the printed face, mm: in the flange frame, or in the world if it is fixed.
         xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
         /// Roll, pitch and yaw of the board about the axes of that frame, degrees; its Z looks out of the face.
-        /// Default [180, 0, 0]: on a flange that looks down, a board that looks up past it.
-        rpy_deg: [f64; 3], Numbers::<3>(ANGLE_DEG), default([180.0, 0.0, 0.0]);
+        /// Default: a face that looks up. [180, 0, 0] on a flange that looks down, [0, 0, 0] in the world.
+        rpy_deg: Option<[f64; 3]>, Maybe(Numbers::<3>(ANGLE_DEG)), default(None);
         /// Number of poses.
         /// Default 15: fewer leave the camera's direction to chance, more take time.
         poses: u32, whole(3, 100), default(15);
-        /// Middle of the volume in which the board's middle is spread, world, mm; with `region_size_mm`.
-        /// Default: the air above the stack, up to 1200 mm of it.
+        /// Middle of the volume in which what moves is spread, world, mm; with `region_size_mm`. That is the
+        /// middle of a board on the flange, or the camera on it.
+        /// Default: the air above the stack, up to 1200 mm of it; for a camera on the flange, the air before
+        /// the board.
         region_xyz_mm: Option<[f64; 3]>, Maybe(Numbers::<3>(COORDINATE_MM)), default(None);
         /// Size of that volume along the world's axes, mm.
         /// Default: see `region_xyz_mm`.

@@ -1,4 +1,4 @@
-//! The depth camera: where it hangs, its lens and its faults.
+//! The depth camera: what carries it, where it hangs there, its lens and its faults.
 
 use depal_frames::nalgebra::{Matrix3, Rotation3, Translation3};
 use depal_frames::{Pose, Rotation, Vector};
@@ -27,21 +27,35 @@ choice! {
     }
 }
 
+choice! {
+    /// What carries the camera.
+    pub enum CameraMount {
+        /// A stand: it stays where it is in the world.
+        World = "world",
+        /// The arm's flange: it is wherever the arm is when a picture is taken.
+        Flange = "flange",
+    }
+}
+
 section! {
     /// The depth camera. Its frame: X right in the picture, Y down, Z forward.
     pub struct Camera {
         /// Name that vision projects refer to.
         /// Default overhead: what the projects' own default names.
         name: String, Text, default("overhead".to_owned());
-        /// Optical centre in the world, mm.
+        /// What carries it: `xyz_mm`, `look_at_mm`, `image_x_along`, `rpy_deg` and `mounting_error_mm` are in the
+        /// frame of the world, or of the flange. With `flange`, the robot must tell its pose with every picture.
+        /// Default world: most cells have the camera on a stand, where it never waits for the arm.
+        mount: CameraMount, one_of(), default(CameraMount::World);
+        /// Optical centre in that frame, mm.
         xyz_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), required;
-        /// Point in the world that lies in the middle of the picture, mm. Either this or `rpy_deg`.
+        /// Point in that frame that lies in the middle of the picture, mm. Either this or `rpy_deg`.
         look_at_mm: Option<[f64; 3]>, Maybe(Numbers::<3>(COORDINATE_MM)), default(None);
-        /// With `look_at_mm`: the direction in the world that runs to the right in the picture, as far as
+        /// With `look_at_mm`: the direction in that frame that runs to the right in the picture, as far as
         /// the line of sight allows.
         /// Default [0, 1, 0]: the long side of a pallet that lies along Y fills the wider side of the picture.
         image_x_along: [f64; 3], Numbers::<3>(number(-1.0, 1.0)), default([0.0, 1.0, 0.0]);
-        /// Roll, pitch and yaw of the camera frame about the fixed axes of the world, degrees.
+        /// Roll, pitch and yaw of the camera frame about the fixed axes of that frame, degrees.
         rpy_deg: Option<[f64; 3]>, Maybe(Numbers::<3>(ANGLE_DEG)), default(None);
         /// Width of the picture, pixels.
         /// Default 1280: 1.3 mm per pixel two metres away with the default focal length.
@@ -74,7 +88,7 @@ section! {
         /// Farthest distance along Z that is measured, mm.
         /// Default 5000: the floor below a camera at 3.7 m.
         far_mm: f64, LENGTH_MM, default(5000.0);
-        /// How far the camera really hangs from where calibration says, along the world's axes, mm.
+        /// How far the camera really hangs from where calibration says, along the axes of that frame, mm.
         /// Default [0, 0, 0]; a wrong one shows what a bad calibration costs.
         mounting_error_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), default([0.0; 3]);
         /// The lens is covered: every picture is empty.
@@ -88,8 +102,9 @@ section! {
 const PARALLEL: f64 = 1e-3;
 
 impl Camera {
-    /// The camera's pose, metres. Right-handed, X right in the picture, Z along the line of sight.
-    pub fn world_from_camera(&self) -> Pose {
+    /// The camera's pose in the world or on the flange, as `mount` says, metres. Right-handed, X right in the
+    /// picture, Z along the line of sight.
+    pub fn carrier_from_camera(&self) -> Pose {
         let at = Vector::from(self.xyz_mm) * 1e-3;
         let rotation = match (self.rpy_deg, self.sight_axes()) {
             (Some(rpy), _) => {
@@ -110,7 +125,7 @@ impl Camera {
             .unwrap_or([f64::from(self.width) / 2.0, f64::from(self.height) / 2.0])
     }
 
-    /// Columns: the camera's axes in the world; `None` where the line of sight gives none.
+    /// Columns: the camera's axes in its carrier's frame; `None` where the line of sight gives none.
     fn sight_axes(&self) -> Option<Matrix3<f64>> {
         let line = Vector::from(self.look_at_mm?) - Vector::from(self.xyz_mm);
         let forward = line.try_normalize(1e-6)?;

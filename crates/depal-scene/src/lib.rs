@@ -50,7 +50,7 @@ mod viz;
 
 pub use build::{BuildError, Built};
 pub use calibration::{Board, BoardMounting, Calibration};
-pub use camera::{Camera, SensorPreset};
+pub use camera::{Camera, CameraMount, SensorPreset};
 pub use error::{SceneErrors, SceneProblem};
 pub use files::{Resolver, read_text};
 pub use gripper::{Gripper, GripperSection};

@@ -3,8 +3,8 @@
 use depal_time::RandomStreams;
 use serde_json::{Value as Json, json};
 
-use crate::calibration::Calibration;
-use crate::camera::Camera;
+use crate::calibration::{BoardMounting, Calibration};
+use crate::camera::{Camera, CameraMount};
 use crate::gripper::Gripper;
 use crate::interface::{Interface, Latency, WireEncoding};
 use crate::layout::footprint_mm;
@@ -146,6 +146,7 @@ fn check_scene(scene: &Scene, checker: &mut Checker<'_, '_>) {
         }
     }
     check_who_runs_the_arm(scene, checker);
+    check_board_before_camera(scene, checker);
     let footprint = scene
         .cartons
         .stack()
@@ -246,6 +247,37 @@ fn check_who_runs_the_arm(scene: &Scene, checker: &mut Checker<'_, '_>) {
             Some("set up the controller in [plc], or take hex-le, hex-be, ascii or auto"),
         ),
         _ => {}
+    }
+}
+
+/// Of board and camera one is on the flange, and the other is not.
+fn check_board_before_camera(scene: &Scene, checker: &mut Checker<'_, '_>) {
+    let mounted = scene.calibration.as_ref().and_then(|c| c.mounted);
+    let wanted = BoardMounting::before(scene.camera.mount);
+    if let Some(mounted) = mounted
+        && mounted != wanted
+    {
+        let (moves, hint) = match scene.camera.mount {
+            CameraMount::Flange => (
+                "moves with the flange",
+                "a board on the flange would move with the camera; leave the key out, or mount the camera in \
+                 the world",
+            ),
+            CameraMount::World => (
+                "stands still",
+                "no motion of the arm would show such a camera anything; leave the key out, or mount the \
+                 camera on the flange",
+            ),
+        };
+        checker.problem(
+            "calibration.mounted",
+            format!(
+                "expected {} for a camera that {moves}, found {}",
+                wanted.word(),
+                mounted.word()
+            ),
+            Some(hint),
+        );
     }
 }
 

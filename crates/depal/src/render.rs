@@ -57,13 +57,14 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
     let shapes = render_shapes(&world);
 
     // The first picture fetches memory and tables; the others are what a camera does again and again.
-    let mut rendering = depal_camera::render(&spec.camera, &spec.world_from_camera, &shapes);
+    let world_from_camera = world_from_camera(&spec);
+    let mut rendering = depal_camera::render(&spec.camera, &world_from_camera, &shapes);
     let noise_seed = RandomStreams::new(spec.seed).stream("camera/1").next_u64();
     let mut frame = sense(&spec.camera, &rendering, noise_seed).frame;
     let (mut render_ms, mut sensor_ms) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..TIMED_PICTURES {
         let started = Instant::now();
-        rendering.redraw(&spec.camera, &spec.world_from_camera, &shapes);
+        rendering.redraw(&spec.camera, &world_from_camera, &shapes);
         render_ms = render_ms.min(started.elapsed().as_secs_f64() * 1e3);
         let started = Instant::now();
         sense_frame(&spec.camera, &rendering, noise_seed, &mut frame);
@@ -137,6 +138,12 @@ fn world_at_rest(spec: &CellSpec) -> World {
     world
 }
 
+/// Where the camera is; one on the flange is where the arm's start has it.
+fn world_from_camera(spec: &CellSpec) -> Pose {
+    let start = &spec.controller.start;
+    spec.world_from_camera(Some(&spec.arm.base_from_flange(start)))
+}
+
 /// Camera and cartons (geometric centres) in the robot's base frame.
 fn truth(spec: &CellSpec, world: &World) -> Value {
     let base_from_world = spec.world_from_base.inverse();
@@ -156,7 +163,7 @@ fn truth(spec: &CellSpec, world: &World) -> Value {
         })
         .collect();
     json!({
-        "camera": {"base_from_camera": pose(base_from_world * spec.world_from_camera)},
+        "camera": {"base_from_camera": pose(base_from_world * world_from_camera(spec))},
         "boxes": boxes,
     })
 }

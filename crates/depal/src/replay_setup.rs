@@ -55,7 +55,7 @@ pub fn recording_setup(spec: &CellSpec) -> RecordingSetup {
         section_areas: spec.gripper.sections.iter().map(|s| s.area).collect(),
         fixed,
         intrinsics: spec.camera.intrinsics,
-        world_from_camera: spec.world_from_camera,
+        world_from_camera: (!spec.is_eye_in_hand()).then(|| spec.world_from_camera(None)),
     }
 }
 

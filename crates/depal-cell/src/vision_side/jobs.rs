@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use depal_frames::JointPositions;
+use depal_frames::{JointPositions, Pose};
 use depal_interface::{Job, PortId, RobotPose, VariableValue};
 use depal_time::SimTime;
 
@@ -36,6 +36,7 @@ impl VisionSide {
                             owner,
                             engine: engine.clone(),
                             start: start_of(spec, &pose),
+                            reported: reported_flange(spec, &pose),
                             box_sizes: box_size.map(|size| (project, size)).into_iter().collect(),
                             recipes: recipe.map(|recipe| (project, recipe)).into_iter().collect(),
                             picture: None,
@@ -44,20 +45,21 @@ impl VisionSide {
                         self.begin(now, spec, run, score, events);
                     } else {
                         let project = configured(spec, project, recipe, box_size);
-                        self.expose(now, spec, owner, project, score, events);
+                        let reported = reported_flange(spec, &pose);
+                        self.expose(now, spec, owner, project, reported, score, events);
                     }
                 }
                 Job::StartViz {
                     job_id,
-                    start,
+                    pose,
                     box_sizes,
                     recipes,
                 } => {
-                    let home = JointPositions::zeros(spec.arm.joint_count());
                     let run = StepRun {
                         owner: Owner::Viz(job_id),
                         engine: self.engine.clone(),
-                        start: start.map_or(home, |joints| of_arm(spec, &joints)),
+                        start: start_of(spec, &pose),
+                        reported: reported_flange(spec, &pose),
                         box_sizes,
                         recipes,
                         picture: None,
@@ -144,7 +146,22 @@ fn text_of(value: &VariableValue) -> String {
     }
 }
 
-/// Where a path of a vision project starts: where the robot says it is, or the planner's home.
+/// Where the flange is in the base by what the robot has told: as such, or by its joints.
+fn reported_flange(spec: &CellSpec, pose: &RobotPose) -> Option<Pose> {
+    match pose {
+        RobotPose::Current {
+            base_from_flange: Some(base_from_flange),
+            ..
+        } => Some(*base_from_flange),
+        RobotPose::Current {
+            joints: Some(joints),
+            ..
+        } => Some(spec.arm.base_from_flange(&of_arm(spec, joints))),
+        _ => None,
+    }
+}
+
+/// Where a path starts: where the robot says it is, or the planner's home.
 fn start_of(spec: &CellSpec, pose: &RobotPose) -> JointPositions {
     match pose {
         RobotPose::PathStart(joints)

@@ -85,7 +85,8 @@ impl VisionSide {
                         .find(|(id, _)| *id == project)
                         .map(|(_, size)| *size);
                     let project = configured(spec, project, recipe, size);
-                    return self.expose(now, spec, owner, project, score, events);
+                    let reported = run.reported;
+                    return self.expose(now, spec, owner, project, reported, score, events);
                 }
                 Ask::PlanPick { pick, place } => {
                     let Some(picture) = &run.picture else {

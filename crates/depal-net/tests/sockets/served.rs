@@ -95,7 +95,7 @@ pub fn station(setup: &Setup<'_>) -> Station {
     };
     spec.interface.ports = setup.kinds.iter().map(port).collect();
     let pose = CalibrationPose {
-        base_from_flange: spec.base_from_camera,
+        base_from_flange: spec.base_from_camera(None),
         joints: spec.controller.start,
     };
     spec.interface.calibration = vec![pose; 3];

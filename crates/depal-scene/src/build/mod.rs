@@ -2,7 +2,6 @@
 
 mod calibration;
 mod gripper;
-mod hand_eye;
 mod plc;
 mod program;
 mod server;
@@ -13,18 +12,18 @@ mod workflow;
 use std::sync::Arc;
 
 use depal_arm::{Arm, ArmError};
-use depal_camera::{CameraSpec, SensorSpec};
+use depal_camera::{CameraSpec, Mounting, SensorSpec};
 use depal_cell::error::CellError;
 use depal_cell::spec::{CellSpec, GripperWiring, Latencies, SectionSignals};
 use depal_controller::{ControllerSpec, SignalSpec};
-use depal_frames::{Intrinsics, JointPositions, PlacedShape};
+use depal_frames::{Intrinsics, JointPositions, PlacedShape, Pose};
 use depal_planner::{PlaceSpec, PlannerSettings};
 use depal_time::SimDuration;
 use depal_vm::execution::RobotTask;
 use depal_vm::{Diagnostic, SourceFile};
 use depal_world::{CartonSpec, WorldSpec};
 
-use crate::camera::{Camera, SensorPreset};
+use crate::camera::{Camera, CameraMount, SensorPreset};
 use crate::gripper::Gripper;
 use crate::interface::WireEncoding;
 use crate::layout::carton_layout;
@@ -65,14 +64,6 @@ pub enum BuildError {
         key: &'static str,
         /// Expected and found.
         message: String,
-    },
-    /// The scene asks for something that cannot be simulated yet.
-    #[error("{key}: {what} is not simulated yet")]
-    Unsupported {
-        /// The key.
-        key: String,
-        /// What.
-        what: String,
     },
     /// The cell refuses.
     #[error(transparent)]
@@ -150,10 +141,7 @@ impl Scene {
 
         let world_from_base = solids::pose_mm_yaw(robot.base_xyz_mm, robot.base_yaw_deg);
         let base_from_world = world_from_base.inverse();
-        let calibrated = self.camera.world_from_camera();
-        let base_from_camera = base_from_world * calibrated;
-        let world_from_camera =
-            solids::pose_mm_yaw(self.camera.mounting_error_mm, 0.0) * calibrated;
+        let (mounting, carrier_from_camera) = mounting(&self.camera, &base_from_world);
         let workflow = workflow::workflow(self);
         let to_base = |shape: &PlacedShape| shape.moved(&base_from_world);
         let mut spec = CellSpec {
@@ -174,11 +162,11 @@ impl Scene {
             cartons: self.carton_specs(),
             settle_time: SimDuration::from_millis(2000),
             camera: camera(&self.camera)?,
-            world_from_camera,
-            base_from_camera,
-            calibration: hand_eye::spec(self, &base_from_world)?,
-            projects: vision::projects(self, &base_from_camera.inverse()),
-            interface: server::server(self, &workflow, calibration::poses(self, &arm, &start)),
+            mounting,
+            carrier_from_camera,
+            calibration: calibration::spec(self, &base_from_world)?,
+            projects: vision::projects(self, &base_from_world),
+            interface: server::server(self, &workflow),
             workflow,
             port: self.interface.port,
             plc: self
@@ -204,9 +192,7 @@ impl Scene {
             may_leave_cartons: self.run.may_leave_cartons,
             arm,
         };
-        if let Some(poses) = hand_eye::poses(self, &spec)? {
-            spec.interface.calibration = poses;
-        }
+        spec.interface.calibration = calibration::poses(self, &spec)?;
         Ok(spec)
     }
 
@@ -270,6 +256,25 @@ fn signal(signal: &Signal) -> SignalSpec {
         SignalKind::GroupOutput => Kind::GroupOutput { bits },
     };
     SignalSpec::new(&signal.name, kind)
+}
+
+/// Where the camera really is, and where calibration says that it is on its carrier: base or flange.
+fn mounting(camera: &Camera, base_from_world: &Pose) -> (Mounting, Pose) {
+    let calibrated = camera.carrier_from_camera();
+    let really = solids::pose_mm_yaw(camera.mounting_error_mm, 0.0) * calibrated;
+    match camera.mount {
+        CameraMount::World => {
+            let world_from_camera = really;
+            (
+                Mounting::EyeToHand { world_from_camera },
+                base_from_world * calibrated,
+            )
+        }
+        CameraMount::Flange => {
+            let flange_from_camera = really;
+            (Mounting::EyeInHand { flange_from_camera }, calibrated)
+        }
+    }
 }
 
 fn camera(camera: &Camera) -> Result<CameraSpec, BuildError> {

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use depal_cell::spec::{CustomPort, CustomRows, VisionProject};
+use depal_cell::spec::{CustomPort, CustomRows, Region, VisionProject};
 use depal_frames::{BoxSize, Pose, Vector};
-use depal_vision::{RegionOfInterest, VisionSettings};
+use depal_vision::VisionSettings;
 
 use super::{solids, workflow};
 use crate::scene::Scene;
@@ -17,18 +17,14 @@ const REGION_BELOW: f64 = 0.03;
 /// Above the deck, metres: a full stack and a carton on it.
 const REGION_ABOVE: f64 = 2.2;
 
-/// The vision projects, with their regions in the camera frame.
-pub(super) fn projects(scene: &Scene, camera_from_base: &Pose) -> BTreeMap<i32, VisionProject> {
-    let base_from_world =
-        solids::pose_mm_yaw(scene.robot.base_xyz_mm, scene.robot.base_yaw_deg).inverse();
-    let camera_from_world = camera_from_base * base_from_world;
+/// The vision projects, with their regions in the robot base.
+pub(super) fn projects(scene: &Scene, base_from_world: &Pose) -> BTreeMap<i32, VisionProject> {
     let mut projects = BTreeMap::new();
     for project in &scene.vision.project {
         let sizes = |boxes: &[[f64; 3]]| boxes.iter().map(|b| BoxSize::from_mm(*b)).collect();
         let settings = VisionSettings {
             min_depth: scene.camera.near_mm * 1e-3,
             max_depth: scene.camera.far_mm * 1e-3,
-            region: Some(region(scene, project, &camera_from_world)),
             ..VisionSettings::new(sizes(&project.box_mm))
         };
         let recipes = project
@@ -54,6 +50,7 @@ pub(super) fn projects(scene: &Scene, camera_from_base: &Pose) -> BTreeMap<i32, 
             VisionProject {
                 id: i32::from(project.id),
                 settings,
+                region: Some(region(scene, project, base_from_world)),
                 recipes,
                 custom_ports,
                 path,
@@ -64,7 +61,7 @@ pub(super) fn projects(scene: &Scene, camera_from_base: &Pose) -> BTreeMap<i32, 
 }
 
 /// Where a project looks for cartons: its own region, or the air above the pallet.
-fn region(scene: &Scene, project: &SceneProject, camera_from_world: &Pose) -> RegionOfInterest {
+fn region(scene: &Scene, project: &SceneProject, base_from_world: &Pose) -> Region {
     let (world_from_region, size) =
         if let (Some(centre), Some(size)) = (project.region_xyz_mm, project.region_size_mm) {
             (solids::pose_mm_yaw(centre, 0.0), Vector::from(size) * 1e-3)
@@ -80,8 +77,8 @@ fn region(scene: &Scene, project: &SceneProject, camera_from_world: &Pose) -> Re
             let world_from_pallet = solids::pose_mm_yaw(pallet.xyz_mm, pallet.yaw_deg);
             (world_from_pallet * middle, size)
         };
-    RegionOfInterest {
-        camera_from_region: camera_from_world * world_from_region,
+    Region {
+        base_from_region: base_from_world * world_from_region,
         half_extents: size * 0.5,
     }
 }

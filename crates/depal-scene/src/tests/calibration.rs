@@ -2,6 +2,7 @@
 
 use depal_vision::calibration::sees_board;
 
+use super::sets;
 use crate::{BuildError, Scene};
 
 /// Two layers, so that there is room above them, and a board beside the tool.
@@ -40,7 +41,7 @@ fn poses_are_within_reach_in_view_and_spread() {
                 < 1e-6
         );
         let base_from_board = calibration.base_from_board(&pose.base_from_flange);
-        let camera_from_board = spec.base_from_camera.inverse() * base_from_board;
+        let camera_from_board = spec.base_from_camera(None).inverse() * base_from_board;
         assert!(sees_board(
             &spec.camera.intrinsics,
             &camera_from_board,
@@ -84,13 +85,83 @@ fn what_cannot_be_calibrated_is_refused() {
     let hidden = scene(&[("calibration.xyz_mm", "[0, 0, 320]")]);
     let problem = hidden.cell_spec().unwrap_err();
     assert!(matches!(problem, BuildError::Mismatch { .. }), "{problem}");
-    // A fixed board needs a camera on the flange.
-    let fixed = scene(&[("calibration.mounted", "fixed")]);
-    let problem = fixed.cell_spec().unwrap_err();
+}
+
+/// Two layers, a board on them, and a camera beside the tool.
+const IN_HAND: [(&str, &str); 9] = [
+    ("cartons.layers", "2"),
+    ("cartons.count", "16"),
+    ("accept.delivered_min", "16"),
+    ("camera.mount", "flange"),
+    ("camera.xyz_mm", "[0, 320, 150]"),
+    ("camera.look_at_mm", "[0, 320, 1000]"),
+    ("camera.image_x_along", "[1, 0, 0]"),
+    ("camera.focal_px", "[1000, 1000]"),
+    ("calibration.xyz_mm", "[1700, 0, 660]"),
+];
+
+#[test]
+fn a_camera_on_the_flange_looks_at_the_board_from_all_around() {
+    let spec = Scene::demo(&sets(&IN_HAND), None)
+        .unwrap_or_else(|errors| panic!("{errors}"))
+        .cell_spec()
+        .unwrap_or_else(|error| panic!("{error}"));
+    let calibration = spec.calibration.as_ref().unwrap();
+    let mut views: Vec<depal_frames::Vector> = Vec::new();
+    for pose in &spec.interface.calibration {
+        assert!(spec.arm.within_limits(&pose.joints));
+        let base_from_camera = spec.base_from_camera(Some(&pose.base_from_flange));
+        let camera_from_board =
+            base_from_camera.inverse() * calibration.base_from_board(&pose.base_from_flange);
+        assert!(sees_board(
+            &spec.camera.intrinsics,
+            &camera_from_board,
+            &calibration.board
+        ));
+        views.push(base_from_camera.translation.vector);
+    }
+    assert_eq!(views.len(), 15);
+    for k in 0..3 {
+        let along = || views.iter().map(|view| view[k]);
+        let spread = along().fold(f64::MIN, f64::max) - along().fold(f64::MAX, f64::min);
+        assert!(spread > 0.4, "axis {k}: {spread} m");
+    }
+    // The same flange poses without the camera on the flange see nothing of the sort.
+    let truth = spec.world_from_camera(Some(&spec.interface.calibration[0].base_from_flange));
+    let other = spec.world_from_camera(Some(&spec.interface.calibration[1].base_from_flange));
+    assert!((truth.translation.vector - other.translation.vector).norm() > 0.1);
+}
+
+#[test]
+fn board_and_camera_are_not_both_on_the_flange_and_not_both_still() {
+    let refused = |changes: &[(&str, &str)]| {
+        let overrides: Vec<(&str, &str)> = IN_HAND.iter().chain(changes).copied().collect();
+        Scene::demo(&sets(&overrides), None)
+            .unwrap_err()
+            .to_string()
+    };
+    let text = refused(&[("calibration.mounted", "flange")]);
     assert!(
-        matches!(problem, BuildError::Unsupported { .. }),
-        "{problem}"
+        text.contains("expected fixed for a camera that moves with the flange, found flange"),
+        "{text}"
     );
+    let text = refused(&[("camera.mount", "world"), ("calibration.mounted", "fixed")]);
+    assert!(
+        text.contains("expected flange for a camera that stands still, found fixed"),
+        "{text}"
+    );
+    let text = refused(&[("camera.mount", "wrist")]);
+    assert!(
+        text.contains("expected one of world, flange, found"),
+        "{text}"
+    );
+    // What fits may be said.
+    let overrides: Vec<(&str, &str)> = IN_HAND
+        .iter()
+        .chain(&[("calibration.mounted", "fixed")])
+        .copied()
+        .collect();
+    Scene::demo(&sets(&overrides), None).unwrap_or_else(|errors| panic!("{errors}"));
 }
 
 #[test]

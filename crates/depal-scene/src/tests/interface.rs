@@ -64,15 +64,17 @@ fn vision_finds_every_carton_of_the_interface_scene() {
             material: Material::KRAFT,
         })
         .collect();
-    let frame = capture(&spec.camera, &spec.world_from_camera, &shapes, 1).frame;
-    let detection = detect(&frame, &spec.projects[&1].settings);
+    let world_from_camera = spec.world_from_camera(None);
+    let frame = capture(&spec.camera, &world_from_camera, &shapes, 1).frame;
+    let settings = spec.projects[&1].settings_from(&spec.base_from_camera(None));
+    let detection = detect(&frame, &settings);
     assert_eq!(detection.boxes.len(), 8);
     for carton in &spec.cartons {
         let top = carton.world_from_centre * depal_frames::Pose::translation(0.0, 0.0, 0.125);
         let nearest = detection
             .boxes
             .iter()
-            .map(|found| spec.world_from_camera * found.camera_from_box)
+            .map(|found| world_from_camera * found.camera_from_box)
             .min_by(|a, b| {
                 let distance =
                     |p: &depal_frames::Pose| (p.translation.vector - top.translation.vector).norm();
@@ -90,6 +92,7 @@ fn vision_finds_every_carton_of_the_interface_scene() {
             .acos();
         assert!(turn < 2f64.to_radians(), "{} degrees", turn.to_degrees());
     }
-    let empty = detect(&frame, &spec.projects[&4].settings);
+    let settings = spec.projects[&4].settings_from(&spec.base_from_camera(None));
+    let empty = detect(&frame, &settings);
     assert_eq!((empty.boxes.len(), empty.points_in_region), (0, 0));
 }

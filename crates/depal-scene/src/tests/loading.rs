@@ -157,14 +157,14 @@ fn a_scene_extends_another() {
 
 #[test]
 fn the_demo_camera_looks_straight_down_with_its_long_side_along_y() {
-    let world_from_camera = demo(&[]).camera.world_from_camera();
+    let world_from_camera = demo(&[]).camera.carrier_from_camera();
     let axis = |axis: Vector| world_from_camera.rotation * axis;
     assert!((axis(Vector::x()) - Vector::y()).norm() < 1e-12);
     assert!((axis(Vector::y()) - Vector::x()).norm() < 1e-12);
     assert!((axis(Vector::z()) + Vector::z()).norm() < 1e-12);
     assert!((world_from_camera.translation.vector - Vector::new(1.7, 0.0, 3.7)).norm() < 1e-12);
     let by_angles = DEMO.replace("look_at_mm = [1700, 0, 0]", "rpy_deg = [180, 0, 90]");
-    let turned = load(&by_angles, &[]).unwrap().camera.world_from_camera();
+    let turned = load(&by_angles, &[]).unwrap().camera.carrier_from_camera();
     assert!(turned.rotation.angle_to(&world_from_camera.rotation) < 1e-9);
 }
 

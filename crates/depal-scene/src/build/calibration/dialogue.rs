@@ -1,10 +1,11 @@
-//! Where command 701 sends the robot: flange poses spread over the space above the pallet.
+//! Where command 701 sends the robot without a board: flange poses spread over the space above the pallet.
+//! The dialogue is the whole; nothing is measured.
 
 use depal_arm::Arm;
 use depal_frames::{JointPositions, Pose, Rotation, Vector};
 use depal_interface::CalibrationPose;
 
-use super::solids::pose_mm_yaw;
+use crate::build::solids::pose_mm_yaw;
 use crate::scene::Scene;
 
 /// Places along each side of the pallet.

@@ -1,154 +1,18 @@
-//! The calibration of a scene: the board, and poses at which the camera sees it.
+//! Whether a pose is of use to a calibration: within reach, free, the board in plain sight.
 
 use depal_camera::{CameraSpec, Material, RenderShape, SensorSpec, capture};
 use depal_cell::calibration::{BOARD_ID, CalibrationSpec};
 use depal_cell::spec::CellSpec;
-use depal_frames::nalgebra::Translation3;
-use depal_frames::{Intrinsics, JointPositions, PlacedShape, Point, Pose, Rotation, Shape, Vector};
+use depal_frames::{Intrinsics, JointPositions, PlacedShape, Point, Pose, Shape, Vector};
 use depal_interface::CalibrationPose;
-use depal_vision::calibration::{CircleBoard, Mounting, PosePlan, plan_poses};
+use depal_vision::calibration::Mounting;
 
-use super::BuildError;
-use crate::calibration::{BoardMounting, Calibration};
-use crate::scene::Scene;
+use crate::build::BuildError;
 
-/// Tool and board stay this far above the stack, metres.
-const CLEARANCE: f64 = 0.05;
-/// Height of the volume above the stack, metres, unless the scene gives one.
-const HEIGHT: f64 = 1.2;
-/// Above the stack the volume begins here, metres: the tool hangs below a tilted board.
-const ABOVE_STACK: f64 = 0.3;
 /// The view is tested on a picture smaller by this factor: a fortieth of the plate still shows.
 const SHRINK: usize = 4;
 /// Points looked at on a joint move between two poses.
 const PATH_POINTS: usize = 16;
-
-/// Board and mounting, if the scene has a calibration.
-pub(super) fn spec(
-    scene: &Scene,
-    base_from_world: &Pose,
-) -> Result<Option<CalibrationSpec>, BuildError> {
-    let Some(calibration) = &scene.calibration else {
-        return Ok(None);
-    };
-    if calibration.mounted == BoardMounting::Fixed {
-        return Err(BuildError::Unsupported {
-            key: "calibration.mounted".to_owned(),
-            what: "a camera on the flange, which a fixed board needs,".to_owned(),
-        });
-    }
-    let [roll, pitch, yaw] = calibration.rpy_deg.map(f64::to_radians);
-    let placed = Pose::from_parts(
-        Translation3::from(Vector::from(calibration.xyz_mm) * 1e-3),
-        Rotation::from_euler_angles(roll, pitch, yaw),
-    );
-    let (mounting, board_pose) = match calibration.mounted {
-        BoardMounting::Flange => (Mounting::EyeToHand, placed),
-        BoardMounting::Fixed => (Mounting::EyeInHand, base_from_world * placed),
-    };
-    let board = CircleBoard {
-        columns: calibration.board.columns as usize,
-        rows: calibration.board.rows as usize,
-        pitch: calibration.board.pitch_mm * 1e-3,
-        disc_diameter: calibration.board.disc_mm * 1e-3,
-    };
-    board
-        .validate()
-        .map_err(|problem| mismatch("calibration.board", &problem))?;
-    Ok(Some(CalibrationSpec {
-        board,
-        mounting,
-        board_pose,
-        repeatability: calibration.repeatability_mm * 1e-3,
-    }))
-}
-
-fn mismatch(key: &'static str, problem: &dyn std::error::Error) -> BuildError {
-    BuildError::Mismatch {
-        key,
-        message: problem.to_string(),
-    }
-}
-
-/// Where 701 sends the robot: spread over the volume, within reach, the board in plain sight of camera
-/// and projector, tool and board above the stack there and on the joint moves between.
-/// None without a calibration.
-pub(super) fn poses(
-    scene: &Scene,
-    cell: &CellSpec,
-) -> Result<Option<Vec<CalibrationPose>>, BuildError> {
-    let (Some(calibration), Some(spec)) = (&scene.calibration, &cell.calibration) else {
-        return Ok(None);
-    };
-    let view = View {
-        cell,
-        spec,
-        camera: small(&cell.camera),
-        least_height: stack_top(cell) + CLEARANCE,
-    };
-    let (centre, half_extents) = volume(scene, calibration, stack_top(cell));
-    let base_from_world = cell.world_from_base.inverse();
-    let plan = PosePlan {
-        board: spec.board,
-        mounting: spec.mounting,
-        intrinsics: cell.camera.intrinsics,
-        camera: cell.base_from_camera,
-        board_pose: spec.board_pose,
-        region: base_from_world * Pose::translation(centre.x, centre.y, centre.z),
-        half_extents,
-        max_tilt: calibration.max_tilt_deg.to_radians(),
-        count: calibration.poses as usize,
-    };
-    let flanges = plan_poses(&plan, |base_from_flange| {
-        view.joints(base_from_flange)
-            .is_some_and(|joints| view.is_free(&joints) && view.is_board_seen(&joints))
-    })
-    .map_err(|problem| mismatch("calibration", &problem))?;
-    view.in_order(&flanges).map(Some)
-}
-
-/// The volume in the world: its middle and half of its sides.
-fn volume(scene: &Scene, calibration: &Calibration, stack_top: f64) -> (Vector, Vector) {
-    if let (Some(centre), Some(size)) = (calibration.region_xyz_mm, calibration.region_size_mm) {
-        return (Vector::from(centre) * 1e-3, Vector::from(size) * 0.5e-3);
-    }
-    let pallet = &scene.pallet;
-    let middle = stack_top + ABOVE_STACK + 0.5 * HEIGHT;
-    (
-        Vector::new(pallet.xyz_mm[0] * 1e-3, pallet.xyz_mm[1] * 1e-3, middle),
-        Vector::new(
-            0.5e-3 * pallet.size_mm[0],
-            0.5e-3 * pallet.size_mm[1],
-            0.5 * HEIGHT,
-        ),
-    )
-}
-
-/// Height of the highest carton, or of the highest fixed solid that is not the floor, world, metres.
-fn stack_top(cell: &CellSpec) -> f64 {
-    let cartons = cell
-        .cartons
-        .iter()
-        .map(|c| c.world_from_centre.translation.z + 0.5 * c.size.height);
-    let fixed = cell
-        .known_obstacles
-        .iter()
-        .map(|o| (cell.world_from_base * o.pose).translation.z + upright_half_height(&o.shape));
-    cartons.chain(fixed).fold(0.0, f64::max)
-}
-
-fn upright_half_height(shape: &Shape) -> f64 {
-    match shape {
-        Shape::Cuboid { half_extents } => half_extents.z,
-        Shape::Cylinder { half_length, .. } => *half_length,
-        Shape::Capsule {
-            half_length,
-            radius,
-        } => half_length + radius,
-        Shape::Sphere { radius } => *radius,
-        Shape::Hull(hull) => hull.half_extents().z,
-    }
-}
 
 /// The same camera with fewer pixels and no noise, the projector's shadow alone.
 fn small(camera: &CameraSpec) -> CameraSpec {
@@ -172,7 +36,7 @@ fn small(camera: &CameraSpec) -> CameraSpec {
 }
 
 /// What tells whether a pose is of use.
-struct View<'a> {
+pub(super) struct Sight<'a> {
     cell: &'a CellSpec,
     spec: &'a CalibrationSpec,
     camera: CameraSpec,
@@ -180,14 +44,23 @@ struct View<'a> {
     least_height: f64,
 }
 
-impl View<'_> {
-    fn joints(&self, base_from_flange: &Pose) -> Option<JointPositions> {
+impl<'a> Sight<'a> {
+    pub(super) fn new(cell: &'a CellSpec, spec: &'a CalibrationSpec, least_height: f64) -> Self {
+        Self {
+            cell,
+            spec,
+            camera: small(&cell.camera),
+            least_height,
+        }
+    }
+
+    pub(super) fn joints(&self, base_from_flange: &Pose) -> Option<JointPositions> {
         let start = &self.cell.controller.start;
         self.cell.arm.inverse_nearest(base_from_flange, start)
     }
 
-    /// Corners of tool and plate above the stack.
-    fn is_free(&self, joints: &JointPositions) -> bool {
+    /// Corners of tool and plate above everything; a fixed plate is itself part of that.
+    pub(super) fn is_free(&self, joints: &JointPositions) -> bool {
         let base_from_flange = self.cell.arm.base_from_flange(joints);
         let world_from_flange = self.cell.world_from_base * base_from_flange;
         let world_from_tcp = world_from_flange * self.cell.gripper.flange_from_tcp;
@@ -204,19 +77,21 @@ impl View<'_> {
             .bodies
             .iter()
             .flat_map(|body| corners(body).map(|corner| world_from_tcp * corner));
-        tool.chain(plate)
+        let is_carried = self.spec.mounting == Mounting::EyeToHand;
+        tool.chain(plate.into_iter().filter(|_| is_carried))
             .all(|corner| corner.z >= self.least_height)
     }
 
     /// Every pixel of the plate that would be seen without arm and tool is seen with them, and lit.
-    fn is_board_seen(&self, joints: &JointPositions) -> bool {
+    pub(super) fn is_board_seen(&self, joints: &JointPositions) -> bool {
         let cell = self.cell;
         let base_from_flange = cell.arm.base_from_flange(joints);
         let (plate, _) = self
             .spec
             .bodies(&(cell.world_from_base * self.spec.base_from_board(&base_from_flange)));
         let seen = |shapes: &[RenderShape]| {
-            let world_from_camera = cell.world_from_base * cell.base_from_camera;
+            let base_from_camera = cell.base_from_camera(Some(&base_from_flange));
+            let world_from_camera = cell.world_from_base * base_from_camera;
             let shot = capture(&self.camera, &world_from_camera, shapes, 0);
             let pixels = shot.ids.iter().zip(&shot.frame.depth);
             pixels
@@ -257,7 +132,7 @@ impl View<'_> {
     }
 
     /// The nearest next pose each time, along free joint moves, home again at the end.
-    fn in_order(&self, flanges: &[Pose]) -> Result<Vec<CalibrationPose>, BuildError> {
+    pub(super) fn in_order(&self, flanges: &[Pose]) -> Result<Vec<CalibrationPose>, BuildError> {
         let start = self.cell.controller.start;
         let mut left: Vec<CalibrationPose> = flanges
             .iter()
