@@ -5,7 +5,7 @@ use depal_vm::system::{LogKind, MoveId, ProgramLocation};
 /// What a controller does, as far as its tasks go; also what one of them does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ControllerState {
-    /// No task was set; a task that waits to be started.
+    /// No task was set.
     Idle,
     /// The task runs or waits.
     Running,

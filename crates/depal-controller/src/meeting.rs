@@ -2,7 +2,7 @@ use std::task::Poll;
 
 use depal_vm::system::Fault;
 
-use crate::{Cabinet, ControllerState};
+use crate::Cabinet;
 
 /// A place where tasks wait for each other.
 #[derive(Debug, Clone, Default)]
@@ -62,22 +62,5 @@ impl Cabinet {
         if let Some(meeting) = self.meetings.get_mut(&point.to_lowercase()) {
             meeting.waiting.retain(|task| *task != self.current);
         }
-    }
-
-    /// Starts a task that waits for it.
-    pub(crate) fn start_task(&mut self, name: &str) -> Result<(), Fault> {
-        let at = self.cursor;
-        let found = self.tasks.iter_mut().find(|task| {
-            task.state == ControllerState::Idle && task.role.name.eq_ignore_ascii_case(name)
-        });
-        let Some(task) = found else {
-            return Err(Fault::NotThere {
-                message: format!("a task {name} that waits to be started"),
-            });
-        };
-        task.state = ControllerState::Running;
-        task.cursor = at;
-        self.looked.set(true);
-        Ok(())
     }
 }

@@ -328,10 +328,6 @@ impl System for CabinetSystem<'_> {
         self.cabinet.leave_meeting(point);
     }
 
-    fn start_task(&mut self, name: &str) -> Result<(), Fault> {
-        self.cabinet.start_task(name)
-    }
-
     fn log(&mut self, kind: LogKind, location: &ProgramLocation, text: &str) {
         self.cabinet.fresh.push(ControllerEvent::Log {
             at: self.cabinet.cursor,

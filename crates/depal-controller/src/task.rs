@@ -15,8 +15,6 @@ pub struct TaskRole {
     pub is_background: bool,
     /// Whether an error that it does not handle stops all tasks, not it alone.
     pub stops_all: bool,
-    /// Whether it waits until another task starts it.
-    pub waits_for_start: bool,
 }
 
 impl TaskRole {
@@ -27,7 +25,6 @@ impl TaskRole {
             moves_arm: true,
             is_background: false,
             stops_all: true,
-            waits_for_start: false,
         }
     }
 
@@ -59,14 +56,9 @@ pub(crate) struct TaskRecord {
 
 impl TaskRecord {
     pub fn new(role: TaskRole) -> Self {
-        let state = if role.waits_for_start {
-            ControllerState::Idle
-        } else {
-            ControllerState::Running
-        };
         Self {
             role,
-            state,
+            state: ControllerState::Running,
             cursor: SimTime::ZERO,
             waiting: false,
             statement: None,
@@ -86,9 +78,7 @@ pub(crate) fn overall(tasks: &[TaskRecord]) -> ControllerState {
         return task.state.clone();
     }
     let production = tasks.iter().any(|task| !task.role.is_background);
-    let counts = |task: &&TaskRecord| {
-        task.role.is_background != production && task.state != ControllerState::Idle
-    };
+    let counts = |task: &&TaskRecord| task.role.is_background != production;
     let mut counted = tasks.iter().filter(counts);
     if counted.clone().any(|t| t.state == ControllerState::Running) {
         return ControllerState::Running;

@@ -61,9 +61,7 @@ mod syntax;
 
 pub use builtins::{OWN_GLOBALS, built_in_names};
 pub use channels::with_channels;
-pub use compile::types::SignalKind;
 pub use depal_vm::{Loaded, decode};
 pub use loading::{
-    SignalDefinition, check, check_syntax, check_with_signals, load, load_with_auto_signals,
-    normal_form,
+    check, check_syntax, check_with_signals, load, load_with_any_signals, normal_form,
 };

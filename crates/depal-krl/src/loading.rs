@@ -2,55 +2,22 @@ use std::collections::BTreeSet;
 
 use depal_vm::{Diagnostic, Loaded, SourceFile, in_order};
 
-use crate::SignalKind;
 use crate::builtins::{Table, predefined_data};
-use crate::compile::{Compiled, Signals, Unit, compile};
+use crate::compile::{Signals, Unit, compile};
 use crate::syntax::parser::parse;
 use crate::syntax::print::print;
 use crate::syntax::tree::{File, FileKind};
 
-/// How many signals of an array are added where a program computes their numbers.
-const COMPUTED_SIGNALS: i64 = 1024;
-
-/// A signal that programs may use.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SignalDefinition {
-    /// As programs write it, `$OUT[5]`.
-    pub name: String,
-    /// Direction and width.
-    pub kind: SignalKind,
-}
-
 /// Loads the files of one task, in any order, to start at the program `entry`.
-/// An input or output that is not in `known_signals` is an error where its number is written in the program.
-pub fn load(sources: &[SourceFile], known_signals: &[SignalDefinition], entry: &str) -> Loaded {
-    load_with(sources, Some(keyed(known_signals)), Some(entry)).0
+/// An input or output that is not among `signals`, as programs write them (`$OUT[5]`), is an error where its number is
+/// written in the program.
+pub fn load(sources: &[SourceFile], signals: &[String], entry: &str) -> Loaded {
+    load_with(sources, Some(keyed(signals)), Some(entry))
 }
 
-/// As [`load`], but inputs and outputs that the program uses are added: those whose numbers it writes, and the
-/// first 1024 where it computes them. Gives back the signals so added.
-pub fn load_with_auto_signals(
-    sources: &[SourceFile],
-    known_signals: &[SignalDefinition],
-    entry: &str,
-) -> (Loaded, Vec<SignalDefinition>) {
-    let (loaded, compiled) = load_with(sources, None, Some(entry));
-    let known = keyed(known_signals);
-    let mut used = compiled.used_signals;
-    for array in compiled.computed_signals {
-        used.extend((1..=COMPUTED_SIGNALS).map(|number| (array, number)));
-    }
-    let added = used.into_iter().filter_map(|(array, number)| {
-        let name = format!("{array}[{number}]");
-        let kind = match array {
-            "$IN" => SignalKind::Di,
-            "$OUT" => SignalKind::Do,
-            "$ANIN" => SignalKind::Ai,
-            _ => SignalKind::Ao,
-        };
-        (!known.contains(&name.to_lowercase())).then_some(SignalDefinition { name, kind })
-    });
-    (loaded, added.collect())
+/// As [`load`], but any input and output is taken as there.
+pub fn load_with_any_signals(sources: &[SourceFile], entry: &str) -> Loaded {
+    load_with(sources, None, Some(entry))
 }
 
 /// Reads files without looking at names and types, each for itself.
@@ -74,16 +41,16 @@ pub fn normal_form(source: &SourceFile) -> Result<String, Vec<Diagnostic>> {
 
 /// Checks files without a cabinet: any input and output is taken as there, and no entry is needed.
 pub fn check(sources: &[SourceFile]) -> Loaded {
-    load_with(sources, None, None).0
+    load_with(sources, None, None)
 }
 
 /// As [`check`], but the signals of the cabinet are known.
-pub fn check_with_signals(sources: &[SourceFile], known_signals: &[SignalDefinition]) -> Loaded {
-    load_with(sources, Some(keyed(known_signals)), None).0
+pub fn check_with_signals(sources: &[SourceFile], signals: &[String]) -> Loaded {
+    load_with(sources, Some(keyed(signals)), None)
 }
 
-fn keyed(signals: &[SignalDefinition]) -> BTreeSet<String> {
-    signals.iter().map(|s| s.name.to_lowercase()).collect()
+fn keyed(signals: &[String]) -> BTreeSet<String> {
+    signals.iter().map(|name| name.to_lowercase()).collect()
 }
 
 /// The last part of a path without its extension, and the extension.
@@ -132,12 +99,11 @@ fn parse_all(sources: &[SourceFile], diagnostics: &mut Vec<Diagnostic>) -> Vec<U
     units
 }
 
-fn load_with(sources: &[SourceFile], signals: Signals, entry: Option<&str>) -> (Loaded, Compiled) {
+fn load_with(sources: &[SourceFile], signals: Signals, entry: Option<&str>) -> Loaded {
     let mut diagnostics = Vec::new();
     let units = parse_all(sources, &mut diagnostics);
     let table = Table::new();
-    let mut compiled = compile(sources, &units, signals, entry, &table);
-    diagnostics.append(&mut compiled.diagnostics);
-    let program = std::mem::take(&mut compiled.program);
-    (Loaded::new(program, diagnostics, "KRL0999"), compiled)
+    let (program, found) = compile(sources, &units, signals, entry, &table);
+    diagnostics.extend(found);
+    Loaded::new(program, diagnostics, "KRL0999")
 }

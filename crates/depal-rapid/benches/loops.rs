@@ -8,7 +8,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use depal_vm::execution::{RobotTask, Step};
-use depal_vm::system::EmptyCabinet;
+use depal_vm::testing::EmptyCabinet;
 use depal_vm::{Machine, SourceFile, Value};
 
 /// Each case: name, module data and routines, statements of main with the result in `s`, and the same in Python.

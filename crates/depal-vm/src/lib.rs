@@ -43,7 +43,6 @@
 //! Limitations: a statement is the smallest step.
 
 mod builtin;
-mod empty_cabinet;
 mod error;
 pub mod execution;
 mod host_state;
@@ -57,11 +56,14 @@ mod report;
 mod shared;
 mod signal_check;
 pub mod system;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
 mod value;
 
 pub use builtin::{Builtin, BuiltinFn, CallContext, Outcome};
 pub use depal_syntax::{
-    Diagnostic, Label, LineColumn, LineStarts, Severity, SourceFile, Span, decode, in_order, nearest_name,
+    Diagnostic, Label, LineColumn, LineStarts, Severity, SourceFile, Span, decode, in_order,
+    nearest_name,
 };
 pub use error::{MachineFault, RaisedError};
 pub use host_state::HostState;

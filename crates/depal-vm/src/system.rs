@@ -9,7 +9,6 @@ use std::task::Poll;
 use depal_frames::{JointPositions, Point, Pose};
 use depal_time::{SimDuration, SimTime};
 
-pub use crate::empty_cabinet::EmptyCabinet;
 pub use crate::signal_check::{Relation, SignalCheck};
 
 /// Where in the user's program something was asked for.
@@ -457,12 +456,6 @@ pub trait System {
     /// Waits no longer at a meeting point.
     fn leave_meeting(&mut self, point: &str) {
         let _ = point;
-    }
-    /// Starts a task that waits to be started. A name that is no such task is a fault.
-    fn start_task(&mut self, name: &str) -> Result<(), Fault> {
-        Err(Fault::NotThere {
-            message: format!("a task {name} that waits to be started"),
-        })
     }
 
     /// A line for the operator or the event log.

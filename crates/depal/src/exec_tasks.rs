@@ -186,7 +186,7 @@ fn krl(args: &ExecArgs) -> Result<Tasks, Failure> {
         first.map_or_else(|| "main".to_owned(), |source| stem(&source.name))
     });
     let load = |entry: &str| {
-        let (loaded, _) = depal_krl::load_with_auto_signals(programs, &[], entry);
+        let loaded = depal_krl::load_with_any_signals(programs, entry);
         depal_krl::with_channels(loaded, programs.len(), channels)
     };
     let robot = load(&entry);

@@ -182,43 +182,6 @@ fn saved_state_runs_on_alike() {
     assert!(a.1[0].max_distance(&a.1[300]) > 0.1, "it was under way");
 }
 
-/// A task that waits to be started runs when another starts it, from that time on; no other name can be started.
-#[test]
-fn a_task_starts_another() {
-    let first = Script::new()
-        .set("doVacuum", 1.0)
-        .then(|system| {
-            assert!(system.start_task("T_NONE").is_err());
-            Poll::Ready(system.start_task("t_later"))
-        })
-        .then(|system| {
-            assert!(system.start_task("T_LATER").is_err(), "it runs already");
-            Poll::Ready(Ok(()))
-        });
-    let later = Script::new().then(|system| {
-        assert_eq!((system.task_number(), system.task_moves_arm()), (2, false));
-        Poll::Ready(system.set_signal("goSections", 3.0))
-    });
-    let mut controller = Controller::new(spec()).unwrap();
-    controller.add_task(TaskRole::motion("T_ROB1"), Box::new(first));
-    let role = TaskRole {
-        waits_for_start: true,
-        moves_arm: false,
-        ..TaskRole::motion("T_LATER")
-    };
-    controller.add_task(role, Box::new(later));
-    let states = |controller: &Controller| -> Vec<ControllerState> {
-        controller.task_states().map(|(_, s)| s.clone()).collect()
-    };
-    assert_eq!(
-        states(&controller),
-        [ControllerState::Running, ControllerState::Idle]
-    );
-    let (events, _) = run(&mut controller, &mut NoNetwork, 3);
-    assert!(edge(&events, "goSections") > edge(&events, "doVacuum"));
-    assert_eq!(*controller.state(), ControllerState::Finished);
-}
-
 /// A saved cabinet with its tasks runs on as the original does, whatever they share and wait for.
 #[test]
 fn several_tasks_are_saved_with_their_cabinet() {

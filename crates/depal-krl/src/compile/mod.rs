@@ -20,5 +20,5 @@ mod statement;
 mod system;
 pub(crate) mod types;
 
-pub(crate) use program::{Compiled, Signals, Unit, compile};
+pub(crate) use program::{Signals, Unit, compile};
 pub(crate) use scope::{Compiler, ParameterType, Signature};

@@ -31,14 +31,6 @@ impl Unit {
 /// Signals of the cabinet: names in lower case, or any.
 pub(crate) type Signals = Option<BTreeSet<String>>;
 
-/// What came of it.
-pub(crate) struct Compiled {
-    pub(crate) program: Program,
-    pub(crate) diagnostics: Vec<Diagnostic>,
-    pub(crate) used_signals: BTreeSet<(&'static str, i64)>,
-    pub(crate) computed_signals: BTreeSet<&'static str>,
-}
-
 /// Checks the modules and lowers them. The first holds the predefined data.
 pub(crate) fn compile(
     files: &[SourceFile],
@@ -46,7 +38,7 @@ pub(crate) fn compile(
     signals: Signals,
     entry: Option<&str>,
     table: &Table,
-) -> Compiled {
+) -> (Program, Vec<Diagnostic>) {
     let mut compiler = Compiler {
         diagnostics: Vec::new(),
         line_starts: LineStarts::new(files),
@@ -59,8 +51,7 @@ pub(crate) fn compile(
         module: 0,
         module_name: String::new(),
         signals,
-        used_signals: BTreeSet::new(),
-        computed_signals: BTreeSet::new(),
+        missing_signals: BTreeSet::new(),
         table,
         program: Program {
             builtins: table.builtins(),
@@ -97,12 +88,7 @@ pub(crate) fn compile(
     if let Some(entry) = entry {
         compiler.entry(entry, units);
     }
-    Compiled {
-        program: compiler.program,
-        diagnostics: compiler.diagnostics,
-        used_signals: compiler.used_signals,
-        computed_signals: compiler.computed_signals,
-    }
+    (compiler.program, compiler.diagnostics)
 }
 
 impl Compiler<'_> {

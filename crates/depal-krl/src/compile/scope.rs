@@ -134,10 +134,8 @@ pub(crate) struct Compiler<'a> {
     pub(crate) module_name: String,
     /// Signals of the cabinet, in lower case; `None`: any.
     pub(crate) signals: Option<BTreeSet<String>>,
-    /// Signals that the program uses, as the cabinet spells them.
-    pub(crate) used_signals: BTreeSet<(&'static str, i64)>,
-    /// Signals of which any number may be used.
-    pub(crate) computed_signals: BTreeSet<&'static str>,
+    /// Signals that the cabinet lacks and that were reported, each once.
+    pub(crate) missing_signals: BTreeSet<String>,
     pub(crate) table: &'a Table,
     pub(crate) program: Program,
     pub(crate) body: Body,

@@ -80,16 +80,15 @@ impl Compiler<'_> {
         None
     }
 
-    /// Notes that the program uses a signal; it must be one of the cabinet.
-    fn use_signal(&mut self, array: &'static str, number: i64, span: Span) {
+    /// A signal that the program uses must be one of the cabinet.
+    fn use_signal(&mut self, array: &str, number: i64, span: Span) {
         if array == "$IN" && CONSTANT_INPUTS.contains(&number) {
             return;
         }
-        let new = self.used_signals.insert((array, number));
         let name = format!("{array}[{number}]");
-        if new
-            && let Some(signals) = &self.signals
+        if let Some(signals) = &self.signals
             && !signals.contains(&name.to_lowercase())
+            && self.missing_signals.insert(name.clone())
         {
             self.error(
                 Diagnostic::error("KRL0101", span, format!("the cabinet has no signal {name}"))
@@ -103,14 +102,10 @@ impl Compiler<'_> {
             "$OUT_C" => "$OUT",
             name => name,
         };
-        let Some(array) = ARRAYS.iter().find(|a| **a == array) else {
-            return;
-        };
-        match index.kind {
-            ExpressionKind::Integer(number) => self.use_signal(array, number, index.span),
-            _ => {
-                self.computed_signals.insert(array);
-            }
+        if ARRAYS.contains(&array)
+            && let ExpressionKind::Integer(number) = index.kind
+        {
+            self.use_signal(array, number, index.span);
         }
     }
 

@@ -1,22 +1,5 @@
 use depal_vm::Value;
 
-/// Direction and width of a signal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum SignalKind {
-    /// Digital input, `$IN[n]`.
-    Di,
-    /// Digital output, `$OUT[n]`.
-    Do,
-    /// Group input: an unsigned number over several digital inputs.
-    Gi,
-    /// Group output.
-    Go,
-    /// Analogue input, `$ANIN[n]`.
-    Ai,
-    /// Analogue output, `$ANOUT[n]`.
-    Ao,
-}
-
 /// A KRL type.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Type {

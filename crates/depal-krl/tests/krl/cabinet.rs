@@ -1,9 +1,9 @@
 //! The same programs in the real cabinet, without an arm.
 
 use depal_controller::{
-    Controller, ControllerSpec, ControllerState, NoNetwork, SignalKind, SignalSpec,
+    Controller, ControllerSpec, ControllerState, NoNetwork, SignalFamily, SignalKind,
 };
-use depal_krl::load_with_auto_signals;
+use depal_krl::load_with_any_signals;
 use depal_time::{SimTime, TICK};
 use depal_vm::Machine;
 
@@ -11,15 +11,19 @@ use crate::fake_system::sources;
 use crate::pick;
 
 fn controller(files: &[(&str, &str)]) -> Controller {
-    let (loaded, signals) = load_with_auto_signals(&sources(files), &[], "main");
+    let loaded = load_with_any_signals(&sources(files), "main");
     let mut spec = ControllerSpec::without_arm("rob1");
-    for signal in signals {
-        let kind = match signal.kind {
-            depal_krl::SignalKind::Di => SignalKind::DigitalInput,
-            _ => SignalKind::DigitalOutput,
-        };
-        spec.signals.push(SignalSpec::new(&signal.name, kind));
-    }
+    let families = [
+        ("$IN", SignalKind::DigitalInput),
+        ("$OUT", SignalKind::DigitalOutput),
+    ];
+    spec.families = families
+        .map(|(name, kind)| SignalFamily {
+            name: name.into(),
+            kind,
+            highest: 1024,
+        })
+        .into();
     let mut controller = Controller::without_arm(spec).expect("a cabinet");
     let program = loaded.program.expect("right");
     controller.set_task(Box::new(Machine::new(program, "T_ROB1")));

@@ -5,10 +5,12 @@ use std::collections::{BTreeMap, VecDeque};
 use std::task::Poll;
 
 use depal_frames::{EulerConvention, JointPositions, Pose};
-use depal_krl::{SignalDefinition, SignalKind, load};
-use depal_time::{SimDuration, SimTime, TICK};
-use depal_vm::execution::{RobotTask, Step};
+use depal_krl::load;
+use depal_time::{SimDuration, SimTime};
+use depal_vm::execution::Step;
 use depal_vm::system::*;
+pub use depal_vm::testing::run;
+use depal_vm::testing::{Timed, program};
 use depal_vm::{Machine, SourceFile, Value};
 
 /// Where the times of moves lie that are put aside.
@@ -58,20 +60,8 @@ impl Default for FakeSystem {
     }
 }
 
-pub fn signals() -> Vec<SignalDefinition> {
-    let system = FakeSystem::default();
-    let names = system.signals.keys();
-    names
-        .map(|name| SignalDefinition {
-            name: name.clone(),
-            kind: match &name[..3] {
-                "$IN" => SignalKind::Di,
-                "$OU" => SignalKind::Do,
-                _ if name.starts_with("$ANI") => SignalKind::Ai,
-                _ => SignalKind::Ao,
-            },
-        })
-        .collect()
+pub fn signals() -> Vec<String> {
+    FakeSystem::default().signals.into_keys().collect()
 }
 
 pub fn sources(files: &[(&str, &str)]) -> Vec<SourceFile> {
@@ -84,36 +74,7 @@ pub fn sources(files: &[(&str, &str)]) -> Vec<SourceFile> {
 pub fn machine(files: &[(&str, &str)]) -> Machine {
     let sources = sources(files);
     let loaded = load(&sources, &signals(), "main");
-    let shown: Vec<_> = loaded
-        .diagnostics
-        .iter()
-        .map(|d| d.plain(&sources))
-        .collect();
-    let program = loaded.program;
-    Machine::new(
-        program.unwrap_or_else(|| panic!("{}", shown.join("\n"))),
-        "T_ROB1",
-    )
-}
-
-/// Runs to the end, at most 1000 simulated seconds.
-pub fn run(machine: &mut Machine, system: &mut FakeSystem) -> Step {
-    loop {
-        match machine.step(system) {
-            Step::Ran => system.now += SimDuration::from_micros(20),
-            Step::Blocked => {
-                let ticks = system.now.as_nanos() / TICK.as_nanos() + 1;
-                system.now = SimTime::from_nanos(ticks * TICK.as_nanos());
-            }
-            end => return end,
-        }
-        system.catch_up();
-        assert!(
-            system.now < SimTime::from_nanos(1_000_000_000_000),
-            "hangs at {:?}",
-            machine.location()
-        );
-    }
+    Machine::new(program(loaded, &sources), "T_ROB1")
 }
 
 /// The trace of a program, with how it ended unless that is its end.
@@ -195,6 +156,13 @@ impl FakeSystem {
 
     fn clock(&self) -> SimTime {
         self.held.unwrap_or(self.now)
+    }
+}
+
+impl Timed for FakeSystem {
+    fn set_time(&mut self, now: SimTime) {
+        self.now = now;
+        self.catch_up();
     }
 }
 

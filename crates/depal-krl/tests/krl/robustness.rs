@@ -1,6 +1,8 @@
 //! No text may make the front end panic or hang, and what it accepts may not make the machine panic.
 
-use depal_krl::{check, load_with_auto_signals, normal_form};
+use std::collections::BTreeMap;
+
+use depal_krl::{check, load_with_any_signals, normal_form};
 use depal_time::{SimDuration, SimTime, TICK};
 use depal_vm::execution::{RobotTask, Step};
 use depal_vm::{Machine, SourceFile};
@@ -103,6 +105,13 @@ const WORDS: [&str; 92] = [
     "#RED",
 ];
 
+/// The first 1024 of each array.
+fn all_signals() -> BTreeMap<String, f64> {
+    let arrays = ["$IN", "$OUT", "$ANIN", "$ANOUT"].into_iter();
+    let numbered = |array| (1..=1024).map(move |number| format!("{array}[{number}]"));
+    arrays.flat_map(numbered).map(|name| (name, 0.0)).collect()
+}
+
 /// Checks a text, and runs it a little if it is right.
 fn throw(text: &str) {
     for name in ["main.src", "main.dat", "x"] {
@@ -116,12 +125,12 @@ fn throw(text: &str) {
         }
     }
     let source = SourceFile::new("main.src", text);
-    let (loaded, added) = load_with_auto_signals(&[source], &[], "main");
+    let loaded = load_with_any_signals(&[source], "main");
     let Some(program) = loaded.program else {
         return;
     };
     let mut system = FakeSystem {
-        signals: added.into_iter().map(|s| (s.name, 0.0)).collect(),
+        signals: all_signals(),
         ..FakeSystem::default()
     };
     let mut machine = Machine::new(program, "T_ROB1");

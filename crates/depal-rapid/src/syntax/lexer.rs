@@ -38,7 +38,8 @@ impl Lexer<'_> {
     /// What is wrong from `start` to here.
     fn report(&mut self, code: &'static str, start: usize, message: impl Into<String>) {
         let span = self.scanner.span_from(start);
-        self.diagnostics.push(Diagnostic::error(code, span, message));
+        self.diagnostics
+            .push(Diagnostic::error(code, span, message));
     }
 
     /// As [`report`](Self::report), with how to mend it.
@@ -137,7 +138,10 @@ impl Lexer<'_> {
         self.scanner.take(1);
         let mut value = String::new();
         let closed = loop {
-            value.push_str(self.scanner.take_while(|c| !matches!(c, '"' | '\\' | '\n' | '\r')));
+            value.push_str(
+                self.scanner
+                    .take_while(|c| !matches!(c, '"' | '\\' | '\n' | '\r')),
+            );
             match self.scanner.take_any(&["\"\"", "\""]) {
                 Some("\"\"") => value.push('"'),
                 Some(_) => break true,

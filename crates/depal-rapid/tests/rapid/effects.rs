@@ -122,7 +122,7 @@ ENDMODULE";
 #[test]
 fn a_socket_client_waits_for_its_bytes() {
     let system = FakeSystem {
-        replies: [(SimDuration::from_millis(300), vec![78, 4, 0, 0])].into(),
+        peer: Script::new([(SimDuration::from_millis(300), vec![78, 4, 0, 0])]),
         ..FakeSystem::default()
     };
     insta::assert_snapshot!(trace(CLIENT, system));
@@ -131,7 +131,7 @@ fn a_socket_client_waits_for_its_bytes() {
 #[test]
 fn a_receive_time_out_is_simulated_time_and_can_be_retried() {
     let system = FakeSystem {
-        replies: [(SimDuration::from_millis(3000), vec![78, 4, 0, 0])].into(),
+        peer: Script::new([(SimDuration::from_millis(3000), vec![78, 4, 0, 0])]),
         ..FakeSystem::default()
     };
     insta::assert_snapshot!(trace(CLIENT, system));
@@ -276,12 +276,12 @@ fn list_reply(count: i32, items: &[(f32, i32)]) -> Vec<u8> {
 fn a_vision_client_reads_its_list_and_moves() {
     let reply = list_reply(2, &[(250.0, 7), (500.0, 9)]);
     let system = FakeSystem {
-        replies: [(SimDuration::from_millis(1500), reply)].into(),
+        peer: Script::new([(SimDuration::from_millis(1500), reply)]),
         ..FakeSystem::default()
     };
     insta::assert_snapshot!(trace(LARGE, system));
     let system = FakeSystem {
-        replies: [(SimDuration::from_millis(10), list_reply(11, &[]))].into(),
+        peer: Script::new([(SimDuration::from_millis(10), list_reply(11, &[]))]),
         ..FakeSystem::default()
     };
     assert!(trace(LARGE, system).contains("too many"));

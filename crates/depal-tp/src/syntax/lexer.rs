@@ -104,7 +104,9 @@ impl Lexer<'_> {
         let in_word = |c| is_word(c) || (first == '$' && matches!(c, '$' | '.'));
         let rest = self.scanner.rest();
         let length = rest.find(|c| !in_word(c)).unwrap_or(rest.len());
-        let word = self.scanner.take(rest[..length].trim_end_matches('.').len());
+        let word = self
+            .scanner
+            .take(rest[..length].trim_end_matches('.').len());
         self.push(Kind::Word(word.to_owned()), start);
         if matches!(word.to_uppercase().as_str(), "MESSAGE" | "MELDUNG") {
             self.message();

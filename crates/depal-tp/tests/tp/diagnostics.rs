@@ -1,6 +1,6 @@
 //! Messages: all of a file at once, with their places.
 
-use depal_tp::{Options, check, check_syntax, load, signals_used};
+use depal_tp::{Options, check, check_syntax, load};
 use depal_vm::SourceFile;
 
 fn shown(texts: &[(&str, &str)]) -> String {
@@ -107,14 +107,4 @@ fn checking_needs_no_entry() {
     assert!(loaded.program.is_some());
     assert_eq!(loaded.diagnostics.len(), 1);
     assert!(check_syntax(&[source]).is_empty());
-}
-
-#[test]
-fn signals_are_told() {
-    let text = "/PROG A\n/MN\n   1:  IF DI[3]=ON,DO[2]=ON ;\n   2:  WAIT (RI[1] AND !F[1]) ;\n   3:  GO[1]=AI[2] ;\n/POS\n/END\n";
-    let names: Vec<_> = signals_used(&[SourceFile::new("A.LS", text)])
-        .into_iter()
-        .map(|s| s.name)
-        .collect();
-    assert_eq!(names, ["AI[2]", "DI[3]", "DO[2]", "GO[1]", "RI[1]"]);
 }

@@ -44,7 +44,7 @@ fn scripted(order: ByteOrder, text: &[&str], replies: Vec<Vec<(SimDuration, Vec<
         ..Options::default()
     };
     let system = FakeSystem {
-        replies: replies.into(),
+        peer: Script::new(replies),
         ..FakeSystem::default()
     };
     run_all(&[listing(&all, "")], &options, system)
@@ -55,7 +55,7 @@ fn requests_are_big_endian_unless_set() {
     let text = listing(&[INIT, "CALL MM_SET_MOD(1,2,70)"], "");
     let reply = pack(ByteOrder::BigEndian, &[Int(103), Int(1107)], 660);
     let system = FakeSystem {
-        replies: vec![at_once(reply)].into(),
+        peer: Script::new(vec![at_once(reply)]),
         ..FakeSystem::default()
     };
     let left = run_all(&[text], &Options::default(), system);
@@ -63,10 +63,10 @@ fn requests_are_big_endian_unless_set() {
     assert_eq!(left.trace[0], "0.000 connect 192.168.1.20:50000");
     let mut expected = vec![0, 0, 0, 0x67, 0, 0, 0, 1, 0, 0, 0, 2];
     expected.resize(64, 0);
-    assert_eq!(left.system.sent, [expected]);
+    assert_eq!(left.system.peer.sent, [expected]);
     assert_eq!(left.registers, ["R[70]=1107"]);
     // A request leaves cell by cell.
-    assert_eq!(left.system.writes, 16);
+    assert_eq!(left.system.peer.writes, 16);
 }
 
 #[test]
@@ -137,8 +137,11 @@ fn both_byte_orders_of_every_kind_of_cell() {
             ],
             64,
         );
-        assert_eq!(left.system.sent[0], request);
-        assert_eq!(left.system.sent[1], pack(order, &[Int(102), Int(1)], 64));
+        assert_eq!(left.system.peer.sent[0], request);
+        assert_eq!(
+            left.system.peer.sent[1],
+            pack(order, &[Int(102), Int(1)], 64)
+        );
     }
 }
 
@@ -196,7 +199,7 @@ fn joints_on_the_wire_are_those_of_the_arm() {
         ],
         64,
     );
-    assert_eq!(left.system.sent[0], sent);
+    assert_eq!(left.system.peer.sent[0], sent);
 }
 
 #[test]
@@ -328,7 +331,7 @@ fn a_connection_lost_on_the_way_is_a_status() {
         100,
     );
     let system = FakeSystem {
-        replies: vec![vec![(SimDuration::from_millis(8), half)]].into(),
+        peer: Script::new(vec![vec![(SimDuration::from_millis(8), half)]]),
         peer_closes_at: Some(SimTime::from_nanos(2_000_000_000)),
         ..FakeSystem::default()
     };
@@ -411,7 +414,10 @@ fn every_call(order: ByteOrder, encoding: Encoding) -> Left {
         ..Options::default()
     };
     let system = FakeSystem {
-        vision: Some(Box::new(Vision::new(encoding))),
+        peer: Script {
+            vision: Some(Box::new(Vision::new(encoding))),
+            ..Script::default()
+        },
         ..FakeSystem::default()
     };
     run_all(&[text], &options, system)

@@ -28,14 +28,14 @@ fn calibration_is_driven_to_its_end() {
         let mut machine = loaded(&text, main);
         let mut system = FakeSystem::default();
         arm(&mut system);
-        system.replies = rounds
+        system.peer.replies = rounds
             .iter()
             .map(|(_, answer)| (SimDuration::from_millis(5), answer.clone()))
             .collect();
         let end = run(&mut machine, &mut system);
         assert_eq!(end, Step::Finished, "{} {:?}", version.name, system.trace);
-        assert_eq!(system.sent.len(), rounds.len());
-        for (sent, (expected, _)) in system.sent.iter().zip(&rounds) {
+        assert_eq!(system.peer.sent.len(), rounds.len());
+        for (sent, (expected, _)) in system.peer.sent.iter().zip(&rounds) {
             // Command and state; the arm of the fake stands still.
             assert_eq!(sent[..8], expected[..8], "{}", version.name);
             assert_eq!(sent.len(), 64);
@@ -65,11 +65,10 @@ fn calibration_tells_what_it_cannot_reach() {
     for version in VERSIONS {
         let statements = "MM_Calib 1,1,0;\nERROR\nIF ERRNO=MM_ERR_STATUS TRYNEXT;";
         let mut machine = loaded(version.text, statements);
-        let replies = [first.clone(), refusal.clone()]
-            .map(|reply| (SimDuration::from_millis(5), reply))
-            .into();
+        let replies =
+            [first.clone(), refusal.clone()].map(|reply| (SimDuration::from_millis(5), reply));
         let mut system = FakeSystem {
-            replies,
+            peer: Script::new(replies),
             ..FakeSystem::default()
         };
         assert_eq!(
@@ -78,8 +77,8 @@ fn calibration_tells_what_it_cannot_reach() {
             "{:?}",
             system.trace
         );
-        assert_eq!(system.sent.len(), 2);
-        assert_eq!(system.sent[1][4], 2, "state 2");
+        assert_eq!(system.peer.sent.len(), 2);
+        assert_eq!(system.peer.sent[1][4], 2, "state 2");
         assert!(system.moves.is_empty());
         assert_eq!(num(&machine, "MM_Last_Status"), 7004.0);
     }

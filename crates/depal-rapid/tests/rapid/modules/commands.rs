@@ -194,6 +194,7 @@ fn one_shot_commands() {
             let mut system = FakeSystem::default();
             arm(&mut system);
             system
+                .peer
                 .replies
                 .push_back((SimDuration::from_millis(5), one[0].1.clone()));
             assert_eq!(
@@ -202,8 +203,13 @@ fn one_shot_commands() {
                 "{:?}",
                 system.trace
             );
-            assert_eq!(system.sent[0][..16], one[0].0[..16], "{}", version.name);
-            same(&system.sent[0][16..40], &joints_cells(), version.name);
+            assert_eq!(
+                system.peer.sent[0][..16],
+                one[0].0[..16],
+                "{}",
+                version.name
+            );
+            same(&system.peer.sent[0][16..40], &joints_cells(), version.name);
             assert_eq!(num(&machine, "st"), f64::from(success));
             if cell(3) != 2 || code == 200 {
                 assert_eq!(num(&machine, "n"), f64::from(count));

@@ -137,7 +137,7 @@ fn call(
     let mut machine = loaded(version.text, &format!("{open}\n{statements}"));
     let mut system = FakeSystem::default();
     arm(&mut system);
-    system.replies = wanted
+    system.peer.replies = wanted
         .iter()
         .map(|(_, answer)| (SimDuration::from_millis(5), answer.clone()))
         .collect();
@@ -145,11 +145,11 @@ fn call(
     let place = format!("{} {statements}", version.name);
     assert_eq!(end, Step::Finished, "{place}: {:?}", system.trace);
     assert_eq!(
-        system.sent.len(),
+        system.peer.sent.len(),
         wanted.len(),
         "{place}: number of requests"
     );
-    for (sent, (expected, _)) in system.sent.iter().zip(wanted) {
+    for (sent, (expected, _)) in system.peer.sent.iter().zip(wanted) {
         same(sent, expected, &place);
     }
     (machine, system)

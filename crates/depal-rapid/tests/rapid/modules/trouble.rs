@@ -66,7 +66,7 @@ fn the_communication_test_tells_what_is_wrong() {
         if !connects {
             system.connect_after = None;
         }
-        system.replies = reply
+        system.peer.replies = reply
             .into_iter()
             .map(|reply| (SimDuration::from_millis(12), reply))
             .collect();
@@ -77,8 +77,8 @@ fn the_communication_test_tells_what_is_wrong() {
             system.trace
         );
         if connects {
-            assert_eq!(system.sent[0].len(), 64);
-            assert_eq!(system.sent[0][..4], 901u32.to_le_bytes());
+            assert_eq!(system.peer.sent[0].len(), 64);
+            assert_eq!(system.peer.sent[0][..4], 901u32.to_le_bytes());
         }
         (num(&machine, "MM_Com_Result"), system.trace)
     };

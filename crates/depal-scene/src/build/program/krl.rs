@@ -15,7 +15,7 @@ pub(super) fn load(sources: &mut [SourceFile], entry: &str) -> Translated {
     let texts = sources.partition_point(|source| !is_channel(source));
     let (programs, channels) = sources.split_at(texts);
     // Every input and output of the numbered arrays is there.
-    let (loaded, _) = depal_krl::load_with_auto_signals(programs, &[], entry);
+    let loaded = depal_krl::load_with_any_signals(programs, entry);
     let loaded = depal_krl::with_channels(loaded, programs.len(), channels);
     Translated {
         program: loaded.program,

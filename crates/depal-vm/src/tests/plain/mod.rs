@@ -8,7 +8,7 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use crate::execution::{RobotTask, Step};
-use crate::system::EmptyCabinet;
+use crate::testing::EmptyCabinet;
 use crate::{BinaryOp, ErrorHandler, Machine, Op, Program, Reference, Root, Routine, Value};
 
 use generate::{Statement, statements};
