@@ -50,6 +50,7 @@ mod mounting;
 mod noise;
 mod raster;
 mod render;
+mod runs;
 mod sensor;
 mod shape;
 mod spec;

@@ -105,15 +105,10 @@ pub(crate) fn step_thresholds(sigma: f64) -> Vec<i32> {
         .collect()
 }
 
-/// Steps for the low 16 bits of each word, times `stride`, added to `out`.
+/// Steps for the 16 bits of each word from `shift` on.
 #[inline(always)]
-pub(crate) fn add_steps(
-    thresholds: &[i32],
-    words: &[u32],
-    shift: u32,
-    stride: i32,
-    out: &mut [i32],
-) {
+pub(crate) fn draw_steps(thresholds: &[i32], words: &[u32], shift: u32, out: &mut [i32]) {
+    out.fill(0);
     for threshold in thresholds {
         for (out, word) in out.iter_mut().zip(words) {
             let bits = (word >> shift) as i32;
@@ -121,7 +116,7 @@ pub(crate) fn add_steps(
             // Minus one below the threshold, and with its sign turned by the last bit.
             let below = (size - threshold) >> 31;
             let sign = -(bits & 1);
-            *out += ((-below ^ sign) - sign) * stride;
+            *out += (-below ^ sign) - sign;
         }
     }
 }

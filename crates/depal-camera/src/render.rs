@@ -1,7 +1,7 @@
 use depal_frames::{Intrinsics, Pose};
 use rayon::prelude::*;
 
-use crate::raster::{Strip, Tiles, draw};
+use crate::raster::{Seen, TILE, Target, Tile};
 use crate::view::{BAND, Grid, View};
 use crate::{CameraSpec, RenderMesh, RenderShape};
 
@@ -13,6 +13,8 @@ pub struct Rendering {
     pub(crate) inverse_depth: Vec<f32>,
     /// Index into the view's faces, or `EMPTY`.
     pub(crate) surface: Vec<u32>,
+    /// What each tile shows, band by band of rows.
+    pub(crate) tiles: Vec<Seen>,
     pub(crate) view: View,
     pub(crate) camera_from_world: Pose,
     pub(crate) shapes: Vec<RenderShape>,
@@ -35,7 +37,8 @@ pub fn render_with_meshes(
         intrinsics: spec.intrinsics,
         inverse_depth: Vec::new(),
         surface: Vec::new(),
-        view: View::new(grid(&spec.intrinsics), &Pose::identity(), &[], &[]),
+        tiles: Vec::new(),
+        view: View::default(),
         camera_from_world: Pose::identity(),
         shapes: Vec::new(),
         meshes: Vec::new(),
@@ -79,10 +82,14 @@ impl Rendering {
         self.shapes.extend_from_slice(shapes);
         self.meshes.clear();
         self.meshes.extend_from_slice(meshes);
-        self.view = View::new(grid(&i), &self.camera_from_world, shapes, meshes);
+        self.view
+            .show(grid(&i), &self.camera_from_world, shapes, meshes);
         // What is left of an earlier picture is overwritten band by band, while it is in the cache.
         self.inverse_depth.resize(pixels, 0.0);
         self.surface.resize(pixels, 0);
+        let tiles = i.width.div_ceil(TILE);
+        self.tiles
+            .resize(tiles * i.height.div_ceil(BAND), Seen::NOTHING);
         if pixels == 0 {
             return;
         }
@@ -92,28 +99,25 @@ impl Rendering {
         self.inverse_depth
             .par_chunks_mut(band)
             .zip(self.surface.par_chunks_mut(band))
+            .zip(self.tiles.par_chunks_mut(tiles))
             .enumerate()
-            .for_each_init(Tiles::default, |tiles, (n, (inverse_depth, surface))| {
-                let strip = Strip {
+            .for_each_init(Vec::new, |tiles, (n, ((inverse_depth, surface), seen))| {
+                tiles.clear();
+                tiles.resize(seen.len(), Tile::BLANK);
+                let target = Target {
                     first_row: n * BAND,
+                    rows: inverse_depth.len() / i.width,
                     first_column: 0,
                     width: i.width,
                     inverse_depth,
                     surface,
+                    tiles,
                 };
-                arch.dispatch(DrawJob { view, strip, tiles });
+                arch.dispatch(DrawJob { view, target, seen });
             });
     }
 
-    /// Number of a face's solid, through shapes, then meshes.
-    pub(crate) fn material(&self, solid: u32) -> crate::Material {
-        let solid = solid as usize;
-        match self.shapes.get(solid) {
-            Some(shape) => shape.material,
-            None => self.meshes[solid - self.shapes.len()].material,
-        }
-    }
-
+    /// Id of a solid; they are numbered through shapes, then meshes.
     pub(crate) fn id(&self, solid: u32) -> u32 {
         let solid = solid as usize;
         match self.shapes.get(solid) {
@@ -123,11 +127,11 @@ impl Rendering {
     }
 }
 
-/// One strip, compiled once for each instruction set that the processor may have.
+/// One band of rows, compiled once for each instruction set that the processor may have.
 struct DrawJob<'a> {
     view: &'a View,
-    strip: Strip<'a>,
-    tiles: &'a mut Tiles,
+    target: Target<'a>,
+    seen: &'a mut [Seen],
 }
 
 impl pulp::WithSimd for DrawJob<'_> {
@@ -135,6 +139,10 @@ impl pulp::WithSimd for DrawJob<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(mut self, _: S) {
-        draw(self.view, &mut self.strip, self.tiles);
+        self.target.draw(self.view);
+        for (k, seen) in self.seen.iter_mut().enumerate() {
+            *seen = self.target.tiles[k].seen;
+            self.target.clear_if_unseen(k);
+        }
     }
 }

@@ -12,13 +12,25 @@ const BOUNDS_MIN_DEPTH: f64 = 1e-4;
 pub(crate) struct TangentBounds {
     pub x: [f64; 2],
     pub y: [f64; 2],
+    /// Bounds of 1/z.
+    pub w: [f64; 2],
 }
 
 impl TangentBounds {
     const EVERYWHERE: Self = Self {
         x: [f64::NEG_INFINITY, f64::INFINITY],
         y: [f64::NEG_INFINITY, f64::INFINITY],
+        w: [0.0, f64::INFINITY],
     };
+
+    /// Bound of 1/z in single precision, a little wider than what is drawn may be off.
+    pub fn least(&self) -> f32 {
+        (self.w[0] * (1.0 - 2e-6)) as f32
+    }
+
+    pub fn most(&self) -> f32 {
+        (self.w[1] * (1.0 + 2e-6)) as f32
+    }
 }
 
 /// Convex outline of three or four corners, turned so that a ray `r` meets it when every
@@ -81,6 +93,7 @@ pub(crate) trait Collect {
 }
 
 /// Hands over the surfaces of a solid that turn towards the eye.
+#[inline(always)]
 pub(crate) fn collect_shape(out: &mut impl Collect, view_from_shape: &Pose, shape: &Shape) {
     let centre = view_from_shape.translation.vector;
     if centre.z + shape.bounding_radius() <= 0.0 {
@@ -119,6 +132,7 @@ pub(crate) fn collect_shape(out: &mut impl Collect, view_from_shape: &Pose, shap
     }
 }
 
+#[inline(always)]
 fn collect_cuboid(out: &mut impl Collect, view_from_shape: &Pose, half: &Vector) {
     let rotation = view_from_shape.rotation.to_rotation_matrix();
     let centre = view_from_shape.translation.vector;
@@ -160,6 +174,7 @@ fn collect_cuboid(out: &mut impl Collect, view_from_shape: &Pose, half: &Vector)
 }
 
 /// Hands over the triangles that turn towards the eye.
+#[inline(always)]
 pub(crate) fn collect_mesh(out: &mut impl Collect, view_from_mesh: &Pose, mesh: &TriangleMesh) {
     if view_from_mesh.translation.z + mesh.bounding_radius() <= 0.0 {
         return;
@@ -167,6 +182,7 @@ pub(crate) fn collect_mesh(out: &mut impl Collect, view_from_mesh: &Pose, mesh: 
     collect_triangles(out, view_from_mesh, mesh.vertices(), mesh.triangles());
 }
 
+#[inline(always)]
 fn collect_triangles(
     out: &mut impl Collect,
     view_from_mesh: &Pose,
@@ -261,6 +277,7 @@ fn cube(centre: &Vector, radius: f64) -> [Vector; 8] {
 }
 
 /// Bounds of the hull of points; everything where it reaches the eye's plane; none behind it.
+#[inline(always)]
 fn bounds_of(points: &[Vector]) -> Option<TangentBounds> {
     let nearest = points.iter().fold(f64::INFINITY, |z, p| z.min(p.z));
     let farthest = points.iter().fold(f64::NEG_INFINITY, |z, p| z.max(p.z));
@@ -273,6 +290,7 @@ fn bounds_of(points: &[Vector]) -> Option<TangentBounds> {
     let mut bounds = TangentBounds {
         x: [f64::INFINITY, f64::NEG_INFINITY],
         y: [f64::INFINITY, f64::NEG_INFINITY],
+        w: [1.0 / farthest, 1.0 / nearest],
     };
     for p in points {
         let inverse = 1.0 / p.z;

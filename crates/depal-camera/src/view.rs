@@ -10,7 +10,7 @@ pub(crate) const BAND: usize = 8;
 
 /// Pixel grid: column u looks along x = (u - cx) / fx. Columns may be drawn from `columns.0` to
 /// `columns.1` (excluded); those of an eye beside the camera may start below 0.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Grid {
     pub columns: (i32, i32),
     pub rows: usize,
@@ -45,6 +45,9 @@ pub(crate) struct Drawable {
     pub outline: Outline,
     pub columns: (i32, i32),
     pub rows: (u32, u32),
+    /// Bounds of 1/z on it.
+    pub least: f32,
+    pub most: f32,
 }
 
 /// What is needed to light a surface.
@@ -64,7 +67,7 @@ impl Face {
     pub const FLAT: u32 = u32::MAX;
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct View {
     pub grid: Grid,
     pub drawables: Vec<Drawable>,
@@ -79,22 +82,35 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// Solids are numbered through shapes, then meshes.
-    pub fn new(
+    /// Shows another scene. Solids are numbered through shapes, then meshes.
+    pub fn show(
+        &mut self,
         grid: Grid,
         view_from_world: &Pose,
         shapes: &[RenderShape],
         meshes: &[RenderMesh],
-    ) -> Self {
-        let mut view = Self {
+    ) {
+        pulp::Arch::new().dispatch(ShowJob {
+            view: self,
             grid,
-            drawables: Vec::new(),
-            faces: Vec::new(),
-            rounds: Vec::new(),
-            starts: Vec::new(),
-            binned: Vec::new(),
-            solid: 0,
-        };
+            view_from_world,
+            shapes,
+            meshes,
+        });
+    }
+
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        grid: Grid,
+        view_from_world: &Pose,
+        shapes: &[RenderShape],
+        meshes: &[RenderMesh],
+    ) {
+        self.grid = grid;
+        self.drawables.clear();
+        self.faces.clear();
+        self.rounds.clear();
         let from_shapes = shapes.iter().map(|s| &s.world_from_shape);
         let from_meshes = meshes.iter().map(|m| &m.world_from_mesh);
         let placed: Vec<Pose> = from_shapes
@@ -108,14 +124,13 @@ impl View {
             depth(*a).total_cmp(&depth(*b)).then(a.cmp(b))
         });
         for k in order {
-            view.solid = k as u32;
+            self.solid = k as u32;
             match shapes.get(k) {
-                Some(item) => collect_shape(&mut view, &placed[k], &item.shape),
-                None => collect_mesh(&mut view, &placed[k], &meshes[k - shapes.len()].mesh),
+                Some(item) => collect_shape(self, &placed[k], &item.shape),
+                None => collect_mesh(self, &placed[k], &meshes[k - shapes.len()].mesh),
             }
         }
-        view.bin();
-        view
+        self.bin();
     }
 
     /// Drawables that touch the rows of a band, in drawing order.
@@ -123,13 +138,16 @@ impl View {
         &self.binned[self.starts[band] as usize..self.starts[band + 1] as usize]
     }
 
+    #[inline(always)]
     fn bin(&mut self) {
         let bands = self.grid.rows.div_ceil(BAND);
         let touched = |d: &Drawable| {
             let (first, last) = (d.rows.0 as usize / BAND, (d.rows.1 as usize - 1) / BAND);
             first..=last
         };
-        let mut counts = vec![0_u32; bands + 1];
+        let mut counts = std::mem::take(&mut self.starts);
+        counts.clear();
+        counts.resize(bands + 1, 0);
         for drawable in &self.drawables {
             for band in touched(drawable) {
                 counts[band + 1] += 1;
@@ -138,17 +156,20 @@ impl View {
         for band in 0..bands {
             counts[band + 1] += counts[band];
         }
-        self.starts.clone_from(&counts);
-        self.binned = vec![0; counts[bands] as usize];
+        let mut next = counts.clone();
+        self.starts = counts;
+        self.binned.clear();
+        self.binned.resize(next[bands] as usize, 0);
         for (index, drawable) in self.drawables.iter().enumerate() {
             for band in touched(drawable) {
-                self.binned[counts[band] as usize] = index as u32;
-                counts[band] += 1;
+                self.binned[next[band] as usize] = index as u32;
+                next[band] += 1;
             }
         }
     }
 
     /// Whole pixels that tangent bounds can touch.
+    #[inline(always)]
     fn pixels(&self, bounds: &TangentBounds) -> Option<((i32, i32), (u32, u32))> {
         let g = &self.grid;
         let columns = whole(
@@ -172,13 +193,34 @@ impl View {
 
 /// Integers of `lo..=hi` within `least..end`, as a half-open range.
 /// A hundredth of a pixel of slack: bounds and outlines round differently.
+#[inline(always)]
 fn whole(lo: f64, hi: f64, least: f64, end: f64) -> Option<(f64, f64)> {
     let first = (lo - 0.01).ceil().max(least);
     let last = (hi + 0.01).floor().min(end - 1.0);
     (first <= last).then_some((first, last + 1.0))
 }
 
+/// Compiled once for each instruction set that the processor may have.
+struct ShowJob<'a> {
+    view: &'a mut View,
+    grid: Grid,
+    view_from_world: &'a Pose,
+    shapes: &'a [RenderShape],
+    meshes: &'a [RenderMesh],
+}
+
+impl pulp::WithSimd for ShowJob<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.view
+            .fill(self.grid, self.view_from_world, self.shapes, self.meshes);
+    }
+}
+
 impl Collect for View {
+    #[inline(always)]
     fn polygon(&mut self, polygon: &Polygon, bounds: TangentBounds) {
         let Some((columns, rows)) = self.pixels(&bounds) else {
             return;
@@ -188,6 +230,8 @@ impl Collect for View {
             outline: Outline::Round(0),
             columns,
             rows,
+            least: bounds.least(),
+            most: bounds.most(),
         };
         let mut sides = [[0.0; 2]; 4];
         let (mut left, mut right) = (0, 4);
@@ -247,6 +291,7 @@ impl Collect for View {
         });
     }
 
+    #[inline(always)]
     fn round(&mut self, round: Round, bounds: TangentBounds) {
         let Some((columns, rows)) = self.pixels(&bounds) else {
             return;
@@ -261,6 +306,8 @@ impl Collect for View {
             outline: Outline::Round(index),
             columns,
             rows,
+            least: bounds.least(),
+            most: bounds.most(),
         });
         self.faces.push(Face {
             solid: self.solid,
@@ -271,6 +318,7 @@ impl Collect for View {
     }
 }
 
+#[inline(always)]
 fn single(v: &Vector) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }

@@ -1,20 +1,9 @@
-//! One frame of a palletizing cell on one thread: rendering alone, sensor alone, both.
-//!
-//! The scene of the comparison figures: 100 cartons with 3 mm gaps in five layers, a pallet of 19
-//! boards and blocks, the floor, and an arm of 22,212 triangles half over the stack; once more with
-//! an arm of primitives instead.
-#![allow(missing_docs)] // criterion's macro makes a public function
-#![allow(clippy::disallowed_methods)] // a bench may read the clock
+//! The scene of the comparison figures.
 
 use std::f64::consts::{PI, TAU};
-use std::hint::black_box;
 use std::sync::Arc;
 
-use criterion::{Criterion, criterion_group, criterion_main};
-use depal_camera::{
-    CameraSpec, Material, RenderMesh, RenderShape, SensorSpec, TriangleMesh, render_with_meshes,
-    sense_frame,
-};
+use depal_camera::{CameraSpec, Material, RenderMesh, RenderShape, SensorSpec, TriangleMesh};
 use depal_frames::{Intrinsics, Point, Pose, Rotation, Shape, Vector};
 
 fn placed(at: [f64; 3], turn: [f64; 3]) -> Pose {
@@ -31,7 +20,7 @@ fn solid(id: u32, shape: Shape, at: [f64; 3], turn: [f64; 3]) -> RenderShape {
 }
 
 /// Floor, pallet and 100 cartons.
-fn stack() -> Vec<RenderShape> {
+pub fn stack() -> Vec<RenderShape> {
     let block =
         |size: [f64; 3], at| solid(1, Shape::cuboid(size[0], size[1], size[2]), at, [0.0; 3]);
     let mut scene = vec![solid(
@@ -102,7 +91,7 @@ fn revolved(rings: &[(f64, f64)], around: usize) -> TriangleMesh {
 }
 
 /// Five tubes, five balls and a plate: 22,212 triangles, and the same as primitives.
-fn arm() -> (Vec<RenderMesh>, Vec<RenderShape>) {
+pub fn arm() -> (Vec<RenderMesh>, Vec<RenderShape>) {
     let tube: Vec<(f64, f64)> = (0..18)
         .map(|k| match k {
             0 => (1e-6, -0.25),
@@ -165,7 +154,7 @@ fn arm() -> (Vec<RenderMesh>, Vec<RenderShape>) {
     (meshes, shapes)
 }
 
-fn camera(width: usize, height: usize, sensor: SensorSpec) -> CameraSpec {
+pub fn camera(width: usize, height: usize, sensor: SensorSpec) -> CameraSpec {
     let f = 0.95 * width as f64;
     CameraSpec {
         intrinsics: Intrinsics {
@@ -183,72 +172,3 @@ fn camera(width: usize, height: usize, sensor: SensorSpec) -> CameraSpec {
     }
 }
 
-fn frame(c: &mut Criterion) {
-    let one_thread = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .expect("a pool of one thread");
-    let down = Pose::from_parts(
-        Vector::new(0.0, 0.0, 3.0).into(),
-        Rotation::new(Vector::x() * PI),
-    );
-    let (meshes, primitives) = arm();
-    let mut with_mesh = stack();
-    with_mesh.push(primitives[primitives.len() - 1].clone());
-    let mut with_primitives = stack();
-    with_primitives.extend(primitives);
-    let arms: [(&str, &[RenderShape], &[RenderMesh]); 2] = [
-        ("22k triangles", &with_mesh, &meshes),
-        ("primitives", &with_primitives, &[]),
-    ];
-    for (width, height) in [(640, 480), (1280, 1024), (2048, 1536)] {
-        let spec = camera(width, height, SensorSpec::laser_structured_light());
-        for (name, shapes, meshes) in arms {
-            let mut rendering = render_with_meshes(&spec, &down, shapes, meshes);
-            least_times(&format!("render {width}x{height}, arm of {name}"), || {
-                one_thread.install(|| {
-                    rendering.redraw_with_meshes(&spec, &down, black_box(shapes), meshes);
-                });
-            });
-            c.bench_function(&format!("render {width}x{height}, arm of {name}"), |b| {
-                b.iter(|| {
-                    one_thread.install(|| {
-                        rendering.redraw_with_meshes(&spec, &down, black_box(shapes), meshes);
-                    });
-                });
-            });
-            let mut shot = depal_camera::sense(&spec, &rendering, 1).frame;
-            least_times(&format!("sensor {width}x{height}, arm of {name}"), || {
-                one_thread.install(|| sense_frame(&spec, black_box(&rendering), 1, &mut shot));
-            });
-            c.bench_function(&format!("sensor {width}x{height}, arm of {name}"), |b| {
-                b.iter(|| {
-                    one_thread.install(|| sense_frame(&spec, black_box(&rendering), 1, &mut shot));
-                });
-            });
-        }
-    }
-}
-
-/// Least and middle time of 200 frames: what the code needs when nothing else runs beside it.
-fn least_times(name: &str, mut work: impl FnMut()) {
-    let mut times: Vec<f64> = (0..200)
-        .map(|_| {
-            let start = std::time::Instant::now();
-            work();
-            start.elapsed().as_secs_f64() * 1e3
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    println!(
-        "{name}: least {:.2} ms, middle {:.2} ms",
-        times[0], times[100]
-    );
-}
-
-criterion_group! {
-    name = benches;
-    config = Criterion::default().sample_size(20);
-    targets = frame
-}
-criterion_main!(benches);

@@ -1,0 +1,59 @@
+//! What the projector's light and the camera's aperture make of each pixel, before chance enters.
+
+mod lamp;
+mod patch;
+mod plan;
+mod projector;
+mod span;
+
+pub(crate) use lamp::{KEEP_BITS, unpack};
+pub(crate) use patch::Patch;
+pub(crate) use plan::Plan;
+pub(crate) use span::LitRow;
+
+use crate::view::Face;
+use crate::{CameraSpec, Rendering};
+use lamp::Lamp;
+
+/// Light and optics of one exposure.
+pub(crate) struct Lighting<'a> {
+    spec: &'a CameraSpec,
+    rendering: &'a Rendering,
+    /// X of the ray of each column.
+    columns: Vec<f32>,
+    /// One for each solid, shapes first.
+    lamps: Vec<Lamp>,
+}
+
+impl<'a> Lighting<'a> {
+    pub fn new(spec: &'a CameraSpec, rendering: &'a Rendering) -> Self {
+        let i = rendering.intrinsics;
+        let shapes = rendering.shapes.iter().map(|shape| &shape.material);
+        let meshes = rendering.meshes.iter().map(|mesh| &mesh.material);
+        Self {
+            spec,
+            rendering,
+            columns: (0..i.width)
+                .map(|u| ((u as f64 - i.cx) / i.fx) as f32)
+                .collect(),
+            lamps: shapes
+                .chain(meshes)
+                .map(|material| Lamp::new(spec, material))
+                .collect(),
+        }
+    }
+
+    /// Y of the ray of a row.
+    #[inline(always)]
+    fn y(&self, v: usize) -> f32 {
+        let i = &self.rendering.intrinsics;
+        ((v as f64 - i.cy) / i.fy) as f32
+    }
+
+    /// How far a face's plane lies before the camera and before the projector, metres.
+    #[inline(always)]
+    fn before(&self, face: &Face) -> (f32, f32) {
+        let k = face.distance;
+        (k, face.normal[0] * self.spec.baseline as f32 + k)
+    }
+}

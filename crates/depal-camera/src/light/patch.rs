@@ -1,0 +1,112 @@
+//! Tiles of a single flat face, lit throughout and seen squarely.
+
+use super::Lighting;
+use super::lamp::{Hit, Lit};
+use crate::raster::{MIXED, TILE};
+use crate::view::BAND;
+
+/// A value over a tile: at its first pixel, per column, per row, and per column and row. It is right at
+/// the corners and straight in between, which is right to (16 / f)^2 / 8 of the values that light takes.
+pub(crate) type Bilinear = [f32; 4];
+
+/// Corners of a tile: first, right, below, both.
+fn bilinear([a, b, c, d]: [f32; 4]) -> Bilinear {
+    let (across, down) = (1.0 / TILE as f32, 1.0 / BAND as f32);
+    [
+        a,
+        (b - a) * across,
+        (c - a) * down,
+        ((d - c) - (b - a)) * (across * down),
+    ]
+}
+
+/// All that the sensor must know of a tile apart from 1/z. Its neighbours within the sensor's reach show
+/// the same face, so jitter, lens and steps need no look at them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Patch {
+    /// False: the tile is not of this kind, and the rest of no meaning.
+    pub smooth: bool,
+    /// Chance to be kept, 0..=4095.
+    pub keep: u32,
+    /// Change of 1/z from column to column and from row to row, 1/m.
+    pub slope: [f32; 2],
+    /// Deviation of the axial noise, metres.
+    pub sigma: Bilinear,
+    /// Grey value before noise.
+    pub grey: Bilinear,
+}
+
+impl Patch {
+    pub const ROUGH: Self = Self {
+        smooth: false,
+        keep: 0,
+        slope: [0.0; 2],
+        sigma: [0.0; 4],
+        grey: [0.0; 4],
+    };
+}
+
+impl Lighting<'_> {
+    /// The patch of a tile that no shadow reaches; [`Patch::ROUGH`] when it is not of that kind.
+    #[inline(always)]
+    pub(super) fn patch(&self, column: usize, band: usize, margin: usize) -> Patch {
+        let r = self.rendering;
+        let index = r.tiles[band * r.intrinsics.width.div_ceil(TILE) + column].face;
+        if index == MIXED || !self.is_one_face(index, column, band, margin) {
+            return Patch::ROUGH;
+        }
+        let face = &r.view.faces[index as usize];
+        let lamp = &self.lamps[face.solid as usize];
+        let (k, c1) = self.before(face);
+        let i = &r.intrinsics;
+        let [nx, ny, nz] = face.normal;
+        let slope = [-nx / (k * i.fx as f32), -ny / (k * i.fy as f32)];
+        let x0 = self.columns[column * TILE];
+        let y0 = self.y(band * BAND);
+        let (x1, y1) = (
+            x0 + TILE as f32 / i.fx as f32,
+            y0 + BAND as f32 / i.fy as f32,
+        );
+        let lit = |x: f32, y: f32| {
+            let w = -(nx * x + ny * y + nz) / k;
+            let yy = y * y + 1.0;
+            lamp.shine(Hit { w, x, yy, k, c1 })
+        };
+        let corners = [lit(x0, y0), lit(x1, y0), lit(x0, y1), lit(x1, y1)];
+        let good = |corner: &Lit| corner.depth > 0.0 && lamp.is_plain(corner);
+        if !corners.iter().all(good) {
+            return Patch::ROUGH;
+        }
+        Patch {
+            smooth: true,
+            keep: lamp.keep,
+            slope,
+            sigma: bilinear(corners.map(|corner| corner.sigma)),
+            grey: bilinear(corners.map(|corner| corner.grey)),
+        }
+    }
+
+    /// Whether the pixels around a tile show the same face as the tile.
+    #[inline(always)]
+    fn is_one_face(&self, index: u32, column: usize, band: usize, margin: usize) -> bool {
+        let r = self.rendering;
+        let (width, height) = (r.intrinsics.width, r.intrinsics.height);
+        let (left, right) = (column * TILE, (column + 1) * TILE);
+        let (top, bottom) = (band * BAND, (band + 1) * BAND);
+        let (from, to) = (left.saturating_sub(margin), (right + margin).min(width));
+        let mut others = 0;
+        for v in top.saturating_sub(margin)..(bottom + margin).min(height) {
+            let row = &r.surface[v * width..(v + 1) * width];
+            if (top..bottom).contains(&v) {
+                for surface in row[from..left].iter().chain(&row[right..to]) {
+                    others |= surface ^ index;
+                }
+            } else {
+                for surface in &row[from..to] {
+                    others |= surface ^ index;
+                }
+            }
+        }
+        others == 0
+    }
+}

@@ -1,0 +1,66 @@
+//! From what a pixel looks at to the depth that it reports.
+
+use super::band::{RowScratch, Sensor};
+use crate::light::KEEP_BITS;
+use crate::noise::{nearest_integer, normal};
+
+impl Sensor<'_> {
+    /// Adds noise and systematic errors, takes pixels by chance, rounds.
+    #[inline(always)]
+    pub(super) fn measure(&self, v: usize, row: &RowScratch, out: &mut [f32]) {
+        let s = &self.spec.sensor;
+        let (near, far) = (self.spec.near as f32, self.spec.far as f32);
+        let random_dropout = (s.random_dropout * f64::from(1 << (32 - KEEP_BITS))) as i32;
+        let (white, smooth) = (
+            (1.0 - s.correlated_share).sqrt() as f32,
+            s.correlated_share.sqrt() as f32,
+        );
+        let scale = 1.0 + s.scale_error as f32;
+        let bowl = self.bowl.row(v);
+        let steps_per_metre = 1.0 / s.quantum;
+        let n = out.len();
+        let (depth, sigma, keep) = (&row.depth[..n], &row.sigma[..n], &row.keep[..n]);
+        let (chances, words) = (&row.words[1][..n], &row.words[2][..n]);
+        let (soft, bow) = (&row.smooth[..n], &self.bowl.columns[..n]);
+        let quantised = s.quantum > 0.0;
+        let measure = |u: usize| {
+            let noise = white * normal(words[u]) + smooth * soft[u];
+            depth[u] * scale + (bow[u] + bowl) + sigma[u] * noise
+        };
+        let seen = |u: usize| {
+            let kept = (chances[u] & ((1 << KEEP_BITS) - 1)) <= keep[u];
+            let lucky = (chances[u] >> KEEP_BITS) as i32 >= random_dropout;
+            (depth[u] > 0.0) & kept & lucky
+        };
+        if quantised {
+            for u in 0..n {
+                let steps = nearest_integer(f64::from(measure(u)) * steps_per_metre);
+                out[u] = (steps * s.quantum) as f32;
+            }
+        } else {
+            for u in 0..n {
+                out[u] = measure(u);
+            }
+        }
+        for u in 0..n {
+            let seen = seen(u) & (out[u] >= near) & (out[u] <= far);
+            out[u] = if seen { out[u] } else { 0.0 };
+        }
+        if s.disparity_step_px > 0.0 {
+            self.round_disparity(out);
+        }
+    }
+
+    /// Rounds depths to whole steps of disparity, fx * baseline / z.
+    #[inline(always)]
+    fn round_disparity(&self, row: &mut [f32]) {
+        let i = &self.rendering.intrinsics;
+        let steps = i.fx * self.spec.baseline.abs() / self.spec.sensor.disparity_step_px;
+        for z in row {
+            if *z > 0.0 {
+                let disparity = nearest_integer(steps / f64::from(*z));
+                *z = (steps / disparity.max(1.0)) as f32;
+            }
+        }
+    }
+}
