@@ -71,6 +71,8 @@ pub struct Patch {
     vertical: Vec<u16>,
     /// Edge weight of horizontal lines, summed over the columns to the left; wraps around.
     horizontal: Vec<u16>,
+    /// What was left out.
+    pub blanks: Vec<Blank>,
     /// For each whole block, row by row: sum of the heights over the plane (metres) of its surface cells.
     pub heights: Vec<f32>,
 }
@@ -203,6 +205,7 @@ impl ResampledRow {
 }
 
 /// A rectangle in the axes of a grid that is no part of the surface.
+#[derive(Debug, Clone, Copy)]
 pub struct Blank {
     /// Middle and half sides, metres.
     pub middle: [f64; 2],
@@ -212,6 +215,13 @@ pub struct Blank {
 }
 
 impl Blank {
+    /// True of a point inside, metres along the grid's axes.
+    pub fn holds(&self, x: f64, y: f64) -> bool {
+        let (s, c) = self.turn.sin_cos();
+        let (dx, dy) = (x - self.middle[0], y - self.middle[1]);
+        (dx * c + dy * s).abs() < self.half[0] && (dy * c - dx * s).abs() < self.half[1]
+    }
+
     /// The columns of a row (`y` metres) that lie inside.
     fn cells(&self, y: f64, left: f64, pitch: f64, columns: usize) -> std::ops::Range<usize> {
         let (s, c) = self.turn.sin_cos();
@@ -398,6 +408,7 @@ impl Patch {
             deep,
             vertical,
             horizontal,
+            blanks: blanks.to_vec(),
             heights,
         }
     }

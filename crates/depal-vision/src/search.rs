@@ -185,8 +185,11 @@ pub fn is_hidden(patch: &Patch, candidate: &Candidate, side: usize) -> bool {
     on < 0.3
 }
 
-/// Candidates with at least three seen sides, none overlapping a better one, best first.
+/// Candidates with at least three seen sides, none overlapping a better one or what was left out
+/// of the patch, best first.
 pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candidate> {
+    /// Share of a candidate that may lie in a blank: what was cut out hides nothing.
+    const MOST_BLANK: f64 = 0.08;
     const STRIDE: usize = 2;
     const MOST: usize = 20_000;
     let mut found: Vec<Candidate> = Vec::new();
@@ -243,6 +246,10 @@ pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candida
         let raw = candidate;
         let candidate = climb(patch, candidate, min_visible, 0.0);
         let seen = candidate.sides.iter().filter(|&&s| s >= SEEN).count();
+        if blanked(patch, &candidate) > MOST_BLANK {
+            failed.push(raw);
+            continue;
+        }
         let whole = seen == 4
             || (seen == 3
                 && (0..4).all(|k| candidate.sides[k] >= SEEN || is_hidden(patch, &candidate, k)));
@@ -253,6 +260,26 @@ pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candida
         }
     }
     kept
+}
+
+/// Share of a candidate that lies in what was left out of the patch.
+fn blanked(patch: &Patch, candidate: &Candidate) -> f64 {
+    const SAMPLES: usize = 16;
+    if patch.blanks.is_empty() {
+        return 0.0;
+    }
+    let at = |k: usize, n: usize| {
+        let low = if k == 0 { patch.left } else { patch.bottom };
+        let share = (n as f64 + 0.5) / SAMPLES as f64;
+        low + (candidate.first[k] as f64 + share * candidate.cells[k] as f64) * patch.pitch
+    };
+    let inside = (0..SAMPLES * SAMPLES)
+        .filter(|n| {
+            let (x, y) = (at(0, n % SAMPLES), at(1, n / SAMPLES));
+            patch.blanks.iter().any(|b| b.holds(x, y))
+        })
+        .count();
+    inside as f64 / (SAMPLES * SAMPLES) as f64
 }
 
 /// Moves a candidate cell by cell while each move raises the score by more than `gain`.
