@@ -3,10 +3,7 @@ use depal_frames::{JointPositions, PlacedShape, Pose, convert};
 use depal_gripper::GripperSpec;
 use parry3d::{math::Pose as Pose32, shape::SharedShape};
 
-use crate::{
-    transfer::oriented::Oriented,
-    world::{BoxAround, solid},
-};
+use crate::world::{Bounds, BoxAround, solid};
 
 /// Group of the gripper and the carton: beyond the last joint's own link.
 const TOOL_GROUP: usize = 7;
@@ -45,7 +42,7 @@ impl Body {
     }
 
     /// The box around it.
-    pub fn bounds(&self, frames: &[Pose]) -> Oriented {
+    pub fn bounds(&self, frames: &[Pose]) -> Bounds {
         self.around.at(&frames[self.frame])
     }
 
@@ -61,8 +58,10 @@ pub(crate) struct Robot<'a> {
     pub gripper: &'a GripperSpec,
     /// Tool first: it is what touches most often.
     pub bodies: Vec<Body>,
-    /// Pairs of `bodies` that may meet.
-    pub pairs: Vec<(usize, usize)>,
+    /// Pairs of `bodies` that may meet; after them those of a carton, whose index is one past the last body.
+    pairs: Vec<(usize, usize)>,
+    /// How many pairs there are without a carton.
+    own_pairs: usize,
     /// Index of the link that carries the gripper.
     flange: usize,
 }
@@ -93,13 +92,28 @@ impl<'a> Robot<'a> {
                 }
             }
         }
+        let own_pairs = pairs.len();
+        let near_carton = |(i, body): (usize, &Body)| {
+            may_meet(TOOL_GROUP, body.group).then_some((bodies.len(), i))
+        };
+        pairs.extend(bodies.iter().enumerate().filter_map(near_carton));
         let flange = arm.links().iter().position(|link| link.name == arm.tip());
         Self {
             arm,
             gripper,
             bodies,
             pairs,
+            own_pairs,
             flange: flange.expect("the flange is a link"),
+        }
+    }
+
+    /// Pairs of bodies that may meet, by index; a carton's index is one past the last body.
+    pub fn pairs(&self, with_carton: bool) -> &[(usize, usize)] {
+        if with_carton {
+            &self.pairs
+        } else {
+            &self.pairs[..self.own_pairs]
         }
     }
 
@@ -129,7 +143,7 @@ impl<'a> Robot<'a> {
 }
 
 /// Which groups can reach each other: neighbours overlap by design, and some pairs are kept apart by the joint limits.
-pub(crate) fn may_meet(outer: usize, inner: usize) -> bool {
+fn may_meet(outer: usize, inner: usize) -> bool {
     match outer {
         TOOL_GROUP => inner <= 3,
         5 | 6 => inner <= 2,

@@ -2,10 +2,9 @@ use depal_frames::{JointPositions, Pose};
 use parry3d::math::Pose as Pose32;
 
 use crate::{
-    bodies::{Body, Robot, may_meet},
+    bodies::{Body, Robot},
     refusal::{Obstacle, Stage, Touch},
-    transfer::oriented::Oriented,
-    world::{self, World},
+    world::{self, Bounds, World},
 };
 
 /// What is checked on one stretch of the way.
@@ -43,20 +42,13 @@ impl<'a> Check<'a> {
     }
 
     /// The boxes around all bodies.
-    fn bounds(&self, frames: &[Pose]) -> Vec<Oriented> {
+    fn bounds(&self, frames: &[Pose]) -> Vec<Bounds> {
         self.bodies().map(|body| body.bounds(frames)).collect()
     }
 
     /// Pairs of moving bodies that may meet, as indices into [`Check::bodies`].
-    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> {
-        let bodies = &self.robot.bodies;
-        let carton = self.carton.map(|c| c.group);
-        let with_carton = bodies.iter().enumerate().filter_map(move |(i, b)| {
-            carton
-                .is_some_and(|group| may_meet(group, b.group))
-                .then_some((bodies.len(), i))
-        });
-        self.robot.pairs.iter().copied().chain(with_carton)
+    fn pairs(&self) -> &'a [(usize, usize)] {
+        self.robot.pairs(self.carton.is_some())
     }
 
     fn body(&self, index: usize) -> &'a Body {
@@ -98,7 +90,10 @@ impl<'a> Check<'a> {
         if let Some(touch) = self.robot.bodies.iter().enumerate().find_map(meets) {
             return Some(touch);
         }
-        self.pairs().find_map(|(i, j)| {
+        self.pairs().iter().find_map(|&(i, j)| {
+            if bounds[i].clear_of(&bounds[j]) {
+                return None;
+            }
             let (a, b) = (self.body(i), self.body(j));
             let exactly =
                 || world::solids_meet(&a.pose(frames), &a.shape, &b.pose(frames), &b.shape);
@@ -126,8 +121,8 @@ impl<'a> Check<'a> {
                 nearest = what.map(|w| self.says(body, w));
             }
         }
-        for (i, j) in self.pairs() {
-            if world::apart(&bounds[i], &bounds[j], distance) {
+        for &(i, j) in self.pairs() {
+            if bounds[i].apart(&bounds[j], distance) {
                 continue;
             }
             let (a, b) = (self.body(i), self.body(j));

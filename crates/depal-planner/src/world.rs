@@ -68,8 +68,40 @@ pub(crate) struct BoxAround {
     frame_from_box: Pose,
     /// Half of its sides, m.
     half: [f64; 3],
+    /// From its middle to a corner, m.
+    reach: f64,
     /// It is the solid itself.
     pub is_solid: bool,
+}
+
+/// The box around a solid in the base frame, and the ball around that.
+pub(crate) struct Bounds {
+    pub around: Oriented,
+    /// Radius of the ball, m.
+    reach: f64,
+}
+
+impl Bounds {
+    /// The solids cannot meet, which the balls tell at once; they may not be able to tell.
+    #[inline]
+    pub fn clear_of(&self, other: &Self) -> bool {
+        self.balls_apart(other, ROUNDING)
+    }
+
+    /// The balls are more than `gap` metres apart.
+    #[inline]
+    fn balls_apart(&self, other: &Self, gap: f64) -> bool {
+        let (a, b) = (&self.around.centre, &other.around.centre);
+        let between = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+        let far = self.reach + other.reach + gap;
+        between.iter().map(|d| d * d).sum::<f64>() > far * far
+    }
+
+    /// The solids in them are `distance` metres apart, or more.
+    pub fn apart(&self, other: &Self, distance: f32) -> bool {
+        let distance = f64::from(distance) + ROUNDING;
+        self.balls_apart(other, distance) || self.around.least_distance(&other.around) >= distance
+    }
 }
 
 impl BoxAround {
@@ -85,22 +117,27 @@ impl BoxAround {
             convert::from_glam(frame_from_shape)
                 * Pose::translation(centre[0], centre[1], centre[2])
         };
+        let half = [half.x, half.y, half.z].map(f64::from);
         Self {
             frame_from_box,
-            half: [half.x, half.y, half.z].map(f64::from),
+            half,
+            reach: half.iter().map(|h| h * h).sum::<f64>().sqrt(),
             is_solid,
         }
     }
 
     /// Where it is when the parent is there.
-    pub fn at(&self, base_from_frame: &Pose) -> Oriented {
-        Oriented::new(&(base_from_frame * self.frame_from_box), self.half)
+    pub fn at(&self, base_from_frame: &Pose) -> Bounds {
+        Bounds {
+            around: Oriented::new(&(base_from_frame * self.frame_from_box), self.half),
+            reach: self.reach,
+        }
     }
 }
 
 /// The upright box around a box, `grown` metres on every side, a hair wider than what rounding takes away.
-fn upright(at: &Oriented, grown: f64) -> Aabb {
-    let (centre, half) = (at.centre, at.extents());
+fn upright(bounds: &Bounds, grown: f64) -> Aabb {
+    let (centre, half) = (bounds.around.centre, bounds.around.extents());
     let side = |i: usize, sign: f64| (centre[i] + sign * (half[i] + grown + ROUNDING)) as f32;
     let corner = |sign: f64| Vector32::new(side(0, sign), side(1, sign), side(2, sign));
     Aabb::new(corner(-1.0), corner(1.0))
@@ -108,14 +145,18 @@ fn upright(at: &Oriented, grown: f64) -> Aabb {
 
 /// Whether two solids meet. Their boxes tell first: they are much quicker, and mostly apart.
 pub(crate) fn meet(
-    bounds: (&Oriented, &Oriented),
+    bounds: (&Bounds, &Bounds),
     are_boxes: bool,
     solids_meet: impl FnOnce() -> bool,
 ) -> bool {
-    if are_boxes {
-        return bounds.0.meets(bounds.1);
+    if bounds.0.clear_of(bounds.1) {
+        return false;
     }
-    bounds.0.grown(ROUNDING).meets(bounds.1) && solids_meet()
+    let (around, other) = (&bounds.0.around, &bounds.1.around);
+    if are_boxes {
+        return around.meets(other);
+    }
+    around.grown(ROUNDING).meets(other) && solids_meet()
 }
 
 /// The same by the solids alone.
@@ -127,11 +168,6 @@ pub(crate) fn solids_meet(
 ) -> bool {
     query::intersection_test(pose, shape.as_ref(), other_pose, other.as_ref())
         .is_ok_and(|m| m.intersecting)
-}
-
-/// Whether the boxes around two solids tell that these are `distance` metres apart, or more.
-pub(crate) fn apart(bounds: &Oriented, other: &Oriented, distance: f32) -> bool {
-    bounds.least_distance(other) - ROUNDING >= f64::from(distance)
 }
 
 /// Distance of two solids, m, 0 when they meet; none for shapes that cannot be measured.
@@ -167,7 +203,7 @@ struct Solid {
     what: Obstacle,
     pose: Pose32,
     shape: SharedShape,
-    bounds: Oriented,
+    bounds: Bounds,
     is_box: bool,
 }
 
@@ -269,7 +305,7 @@ impl World {
         &self,
         body: &Body,
         frames: &[Pose],
-        bounds: &Oriented,
+        bounds: &Bounds,
         without: &[usize],
     ) -> Option<Obstacle> {
         self.tree
@@ -289,14 +325,14 @@ impl World {
         &self,
         body: &Body,
         pose: &Pose32,
-        bounds: &Oriented,
+        bounds: &Bounds,
         without: &[usize],
         cap: f32,
     ) -> (f32, Option<Obstacle>) {
         let mut nearest = (cap, None);
         for i in self.tree.intersect_aabb(&upright(bounds, f64::from(cap))) {
             let s = &self.solids[i as usize];
-            if s.is_one_of(without) || apart(bounds, &s.bounds, nearest.0) {
+            if s.is_one_of(without) || bounds.apart(&s.bounds, nearest.0) {
                 continue;
             }
             if let Some(d) = distance(pose, &body.shape, &s.pose, &s.shape)

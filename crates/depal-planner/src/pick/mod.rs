@@ -3,8 +3,8 @@
 mod attempt;
 mod free;
 mod notes;
-mod waypoints;
 mod way;
+mod waypoints;
 
 use crate::{
     candidate::load,
@@ -29,7 +29,7 @@ enum State {
     /// Nothing is left to be tried.
     Closed(RejectReason),
     /// Worse grasps are.
-    Open(Open),
+    Open(Box<Open>),
 }
 
 /// What was tried, and what is left.
@@ -55,7 +55,9 @@ impl<'a> Trial<'a> {
         let trial = |state| Self { group, state };
         let mut open = Open::new(situation, group).map_err(|r| trial(State::Closed(r)))?;
         let found = match open.next_tier(situation, group) {
-            None if open.done < open.grasps.len() => return Err(trial(State::Open(open))),
+            None if open.done < open.grasps.len() => {
+                return Err(trial(State::Open(Box::new(open))));
+            }
             None => open.search(situation, group),
             plan => plan,
         };
@@ -165,7 +167,11 @@ impl Open {
         search: bool,
     ) -> Option<PickPlan> {
         let (low, high) = (situation.lift_height(group), situation.height_out(group));
-        let lifts = if high > low { vec![low, high] } else { vec![low] };
+        let lifts = if high > low {
+            vec![low, high]
+        } else {
+            vec![low]
+        };
         let lifted = attempts.iter().flat_map(|(grasp, attempt)| {
             let grasp = &self.grasps[*grasp];
             lifts.iter().map(move |&lift| Lifted {

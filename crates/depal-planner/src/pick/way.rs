@@ -40,11 +40,7 @@ pub(super) struct States {
 }
 
 /// The whole way of one attempt, or what hinders it.
-pub(super) fn way(
-    situation: &Situation,
-    lifted: &Lifted,
-    search: bool,
-) -> Result<PickPlan, Notes> {
+pub(super) fn way(situation: &Situation, lifted: &Lifted, search: bool) -> Result<PickPlan, Notes> {
     let mut notes = Notes::default();
     match states(situation, lifted, search, &mut notes) {
         Some((states, clearance)) => Ok(finished(situation, lifted, &states, clearance)),

@@ -62,7 +62,13 @@ pub(super) fn finished(
         );
         add(&w[1], profile, Motion::Joint, percent, false);
     }
-    add(&end(set_down), line(set_down), Motion::Linear, upwards, false);
+    add(
+        &end(set_down),
+        line(set_down),
+        Motion::Linear,
+        upwards,
+        false,
+    );
     let size = group.whole.size;
     PickPlan {
         pick_index: there.len() - 1,

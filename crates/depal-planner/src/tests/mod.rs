@@ -1,8 +1,11 @@
+use std::sync::OnceLock;
+
 use depal_arm::Arm;
 use depal_frames::{BoxSize, JointPositions, PlacedShape, Point, Pose, Rotation, Vector};
 use depal_gripper::{CupSpec, GripperSpec, SectionSpec, VacuumSpec};
 use depal_time::RandomStreams;
 use nalgebra::Translation3;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::{
     Motion, PickPlan, PlaceSpec, PlanRequest, PlannerSettings, Refusal, SeenBox, Stage,
@@ -13,6 +16,7 @@ mod choice;
 mod groups;
 mod obstacles;
 mod pallet;
+mod threads;
 
 const IRB6700: &str = include_str!("../../../../urdf/abb_irb6700_150_320.urdf");
 const CARTON: [f64; 3] = [0.4, 0.3, 0.25];
@@ -149,6 +153,17 @@ fn visible(boxes: &[SeenBox]) -> Vec<SeenBox> {
         .collect()
 }
 
+const THREADS: [usize; 3] = [1, 2, 4];
+
+/// What `work` comes to in a pool of so many threads.
+fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    static POOLS: OnceLock<[ThreadPool; 3]> = OnceLock::new();
+    let pool = |count| ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+    let pools = POOLS.get_or_init(|| THREADS.map(pool));
+    let index = THREADS.iter().position(|&count| count == threads);
+    pools[index.unwrap()].install(work)
+}
+
 fn home() -> JointPositions {
     JointPositions::from_degrees(&[45.0, -15.0, 10.0, 0.0, 95.0, 45.0])
 }
@@ -189,8 +204,17 @@ impl Cell {
         }
     }
 
+    /// Plan and plan history, which must be the same with any number of threads: every plan of these tests is made by
+    /// pools of 1, 2 and 4. Figures are compared by their digits, so that not even -0 passes for 0.
     fn plan(&self, boxes: &[SeenBox]) -> Result<PickPlan, Refusal> {
-        plan_pick(&self.request(boxes))
+        let request = self.request(boxes);
+        let [one, more @ ..] = THREADS.map(|count| with_threads(count, || plan_pick(&request)));
+        for (other, threads) in more.iter().zip(&THREADS[1..]) {
+            assert_eq!(&one, other, "{threads} threads");
+            let [one, other] = [&one, other].map(|plan| format!("{plan:?}"));
+            assert_eq!(one, other, "{threads} threads");
+        }
+        one
     }
 }
 
