@@ -45,6 +45,7 @@ mod bodies;
 mod candidate;
 mod certificate;
 mod contact;
+mod given;
 mod grasp;
 mod group;
 mod in_order;
@@ -62,6 +63,7 @@ mod transfer;
 mod tree;
 mod world;
 
+pub use given::{GivenMove, MoveRefusal, check_moves};
 pub use plan::{Motion, PickPlan, Waypoint};
 pub use planner::plan_pick;
 pub use refusal::{Obstacle, Refusal, RejectReason, Rejection, Stage, Touch};
