@@ -186,7 +186,8 @@ fn a_client_of_the_station_calibrates_as_well() {
             ..
         } = event.kind
         {
-            let pose = pose(base_from_camera.xyz_mm, base_from_camera.quat_wxyz);
+            let logged = base_from_camera.expect("a camera that stands still");
+            let pose = pose(logged.xyz_mm, logged.quat_wxyz);
             found.push((corner_error_mm(&scene, &pose), error_mm));
         }
     }

@@ -46,7 +46,8 @@ fn the_seed_changes_something() {
     assert_ne!(a.log, b.log);
 }
 
-/// Every way to drive the cell: RAPID, KRL over XML-configured sockets, TP, and a data block.
+/// Every way to drive the cell: RAPID, KRL over XML-configured sockets, TP, and a data block; and a camera that the
+/// arm carries.
 #[test]
 fn no_language_brings_chance_into_a_run() {
     let run = |name: &str, threads: usize| {
@@ -63,7 +64,7 @@ fn no_language_brings_chance_into_a_run() {
             .expect("a thread pool")
             .install(|| run_scene(&scene))
     };
-    for name in ["kuka", "fanuc", "siemens", "multipick"] {
+    for name in ["kuka", "fanuc", "siemens", "multipick", "eye_in_hand"] {
         let one = run(name, 1);
         let picks = one.outcome.score.picks.len();
         assert!(picks >= 2, "{name}: {picks} picks prove nothing");

@@ -4,6 +4,7 @@ mod brands;
 mod calibration;
 mod counterfactuals;
 mod determinism;
+mod eye_in_hand;
 mod faults;
 mod interface;
 mod modules;
