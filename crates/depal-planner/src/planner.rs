@@ -12,7 +12,7 @@ use crate::{
     refusal::{Refusal, RejectReason, Rejection, Stage, Touch},
     request::PlanRequest,
     suction::{along, loaded_percent, vertical_percent},
-    timing::{Trapezoid, chain_time},
+    timing::{Trapezoid, chain_time, predicted_time},
     world::World,
 };
 
@@ -564,9 +564,13 @@ impl Planner<'_> {
             false,
         );
         let size = group.whole.size;
+        // The law that moves the arm; where it cannot make a move, the sum of the moves alone.
+        let mass = load(group, settings);
+        let estimated_time = predicted_time(request, &waypoints, mass, &carton_in_tcp)
+            .unwrap_or_else(|_| chain_time(&moves));
         PickPlan {
             pick_index: there.len() - 1,
-            estimated_time: chain_time(&moves),
+            estimated_time,
             waypoints,
             box_index: group.members[0],
             box_indices: group.members.clone(),

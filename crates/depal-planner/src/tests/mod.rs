@@ -10,6 +10,7 @@ use crate::{
 };
 
 mod choice;
+mod executed;
 mod groups;
 mod obstacles;
 mod pallet;
