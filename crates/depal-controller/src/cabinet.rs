@@ -2,7 +2,7 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-use depal_arm::Arm;
+use depal_arm::{Arm, Load};
 use depal_frames::JointPositions;
 use depal_motion::Trajectory;
 use depal_time::{SimDuration, SimTime};
@@ -31,6 +31,9 @@ pub struct ControllerSpec {
     pub arm: Arc<Arm>,
     /// Where it stands at the start, radians.
     pub start: JointPositions,
+    /// What hangs on the flange, as it was told at commissioning: it counts where the program says nothing of its tool's
+    /// load, and only for an arm with torque limits.
+    pub mounted: Load,
     /// All signals.
     pub signals: Vec<SignalSpec>,
     /// Signals that need no definition.
@@ -51,12 +54,13 @@ pub struct ControllerSpec {
 }
 
 impl ControllerSpec {
-    /// A cabinet without signals, 20 us per statement and 5 waiting moves.
+    /// A cabinet without signals and with nothing on the flange, 20 us per statement and 5 waiting moves.
     pub fn new(name: &str, arm: Arc<Arm>, start: JointPositions) -> Self {
         Self {
             name: name.to_owned(),
             arm,
             start,
+            mounted: Load::NONE,
             signals: Vec::new(),
             families: Vec::new(),
             statement_cost: SimDuration::from_micros(20),
@@ -151,7 +155,7 @@ impl Cabinet {
             return Err(ControllerError::StatementCost);
         }
         let trajectory = Trajectory::new(Arc::clone(&spec.arm), spec.start);
-        let queue = MotionQueue::new(trajectory, spec.queue_depth);
+        let queue = MotionQueue::new(trajectory, spec.queue_depth, spec.mounted);
         let motion = Mechanism::Arm(spec.arm, Box::new(queue));
         let parts = FreeSpec {
             name: spec.name,

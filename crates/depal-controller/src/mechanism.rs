@@ -39,6 +39,13 @@ impl Mechanism {
         }
     }
 
+    /// What hangs on the flange in moves to come, kg and m in the flange frame; none for what the cabinet was set up with.
+    pub fn set_tool_load(&mut self, load: Option<(f64, Point)>) {
+        if let Self::Arm(_, queue) = self {
+            queue.set_tool_load(load);
+        }
+    }
+
     /// Load of moves to come, kg and m in the tool frame. What reaches everything carries everything.
     pub fn set_payload(&mut self, mass: f64, centre_in_tcp: Point) {
         if let Self::Arm(_, queue) = self {

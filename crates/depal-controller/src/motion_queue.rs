@@ -20,7 +20,11 @@ use crate::path_events::{Fired, PathEvents};
 pub(crate) struct MotionQueue {
     trajectory: Trajectory,
     depth: usize,
-    /// Mass, kg, and its centre in the tool frame, m.
+    /// What hangs on the flange if the program says nothing of it.
+    mounted: Load,
+    /// What the program says of it.
+    tool: Option<Load>,
+    /// Mass carried on top, kg, and its centre in the tool frame, m.
     payload: (f64, Point),
     /// In order; the first is under way or about to be.
     open: VecDeque<OpenMove>,
@@ -69,10 +73,12 @@ struct Alarm {
 }
 
 impl MotionQueue {
-    pub fn new(trajectory: Trajectory, depth: usize) -> Self {
+    pub fn new(trajectory: Trajectory, depth: usize, mounted: Load) -> Self {
         Self {
             trajectory,
             depth,
+            mounted,
+            tool: None,
             payload: (0.0, Point::origin()),
             open: VecDeque::new(),
             closed: None,
@@ -84,6 +90,10 @@ impl MotionQueue {
             stored: Vec::new(),
             storing_held: None,
         }
+    }
+
+    pub fn set_tool_load(&mut self, load: Option<(f64, Point)>) {
+        self.tool = load.map(|(mass, centre)| Load::point(mass, centre));
     }
 
     pub fn set_payload(&mut self, mass: f64, centre_in_tcp: Point) {
@@ -116,12 +126,13 @@ impl MotionQueue {
             return Poll::Pending;
         }
         let (mass, centre) = self.payload;
-        if mass > 0.0 {
-            let centre = request.flange_from_tcp * centre;
-            self.trajectory.set_load(&Load::point(mass, centre));
+        let carried = if mass > 0.0 {
+            Load::point(mass, request.flange_from_tcp * centre)
         } else {
-            self.trajectory.set_load(&Load::NONE);
-        }
+            Load::NONE
+        };
+        let tool = self.tool.unwrap_or(self.mounted);
+        self.trajectory.set_tool_and_load(&tool, &carried);
         let id = match self.trajectory.append(seconds, &segment(request)) {
             Ok(id) => MoveId(id.0),
             Err(error) => {
@@ -391,6 +402,7 @@ fn segment(request: &MoveRequest) -> Segment {
         zone: match request.zone {
             MoveZone::Fine => Zone::Fine,
             MoveZone::Fly { tcp, orientation } => Zone::Fly { tcp, orientation },
+            MoveZone::Blend { joints } => Zone::Blend { joints },
         },
         quarters: request.configuration,
     }

@@ -97,6 +97,10 @@ impl System for CabinetSystem<'_> {
             .start(cabinet.cursor, request, events, &mut cabinet.fresh)
     }
 
+    fn set_tool_load(&mut self, load: Option<(f64, Point)>) {
+        self.cabinet.motion.set_tool_load(load);
+    }
+
     fn set_payload(&mut self, mass: f64, centre_in_tcp: Point) {
         self.cabinet.motion.set_payload(mass, centre_in_tcp);
     }

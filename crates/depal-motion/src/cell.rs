@@ -6,7 +6,7 @@ use depal_arm::JointLimit;
 use depal_frames::JointPositions;
 
 use crate::curve::{Curve, Derivatives};
-use crate::passes::Limit;
+use crate::passes::{Band, Limit};
 use crate::torque::TorqueLimits;
 use crate::{SegmentId, Speed};
 
@@ -87,6 +87,12 @@ pub(crate) struct Cell {
     pub at_to: Derivatives,
     /// Torque limits at the three places; empty where the arm has none.
     pub torque: Vec<Limit>,
+    /// All limits of the acceleration; empty where [`even`](Self::even) says it all.
+    pub bands: Vec<Band>,
+    /// Highest squared rate at the beginning under limits on which the acceleration has no influence.
+    pub highest: f64,
+    /// The largest acceleration where one and the same holds all along and at every speed.
+    pub even: Option<f64>,
     pub law: Law,
 }
 
@@ -113,9 +119,12 @@ impl Cell {
             turn_rate,
             link,
             torque: Vec::new(),
+            bands: Vec::new(),
+            highest: f64::INFINITY,
+            even: None,
             law: Law::NONE,
         };
-        cell.measure_torque();
+        cell.measure_limits();
         cell
     }
 
@@ -129,22 +138,72 @@ impl Cell {
         self.at_from = self.curve.derivatives(self.from, inside);
         self.at_middle = self.curve.derivatives(inside, inside);
         self.at_to = self.curve.derivatives(self.to, inside);
-        self.measure_torque();
+        self.measure_limits();
     }
 
-    fn measure_torque(&mut self) {
-        let Some(torque) = &self.limits.torque else {
-            return;
-        };
+    fn measure_limits(&mut self) {
         let width = self.width();
-        self.torque = [
-            (self.from, &self.at_from, 0.0),
-            (self.from + 0.5 * width, &self.at_middle, width),
-            (self.to, &self.at_to, 2.0 * width),
-        ]
-        .iter()
-        .flat_map(|(u, at, gain)| torque.rows(&self.curve.position(*u), at, *gain))
-        .collect();
+        if let Some(torque) = &self.limits.torque {
+            self.torque = [
+                (self.from, &self.at_from, 0.0),
+                (self.from + 0.5 * width, &self.at_middle, width),
+                (self.to, &self.at_to, 2.0 * width),
+            ]
+            .iter()
+            .flat_map(|(u, at, gain)| torque.rows(&self.curve.position(*u), at, *gain))
+            .collect();
+        } else if self.curve.is_straight() {
+            let acceleration = &self.limits.joint_acceleration;
+            let most = self.at_from.first.iter().zip(acceleration.iter());
+            self.even = Some(
+                most.map(|(slope, limit)| limit / slope.abs())
+                    .fold(f64::INFINITY, f64::min),
+            );
+            return;
+        }
+        let mut bands = Vec::with_capacity(3 * self.at_from.first.len() + self.torque.len());
+        let mut highest = f64::INFINITY;
+        for limit in self.limits(&self.limits.joint_acceleration) {
+            match limit.band() {
+                Some(band) => bands.push(band),
+                None => highest = highest.min(limit.highest()),
+            }
+        }
+        (self.bands, self.highest) = (bands, highest);
+    }
+
+    /// Limits at the three places of the cell under these accelerations, and those of the torques.
+    fn limits<'a>(
+        &'a self,
+        acceleration: &'a JointPositions,
+    ) -> impl Iterator<Item = Limit> + 'a {
+        let width = self.width();
+        (0..acceleration.len())
+            .flat_map(move |j| {
+                [
+                    (&self.at_from, 0.0),
+                    (&self.at_middle, width),
+                    (&self.at_to, 2.0 * width),
+                ]
+                .map(|(at, gain)| Limit {
+                    of_a: at.first[j] + gain * at.second[j],
+                    of_x: at.second[j],
+                    rest: 0.0,
+                    limit: acceleration[j],
+                })
+            })
+            .chain(self.torque.iter().copied())
+    }
+
+    /// Lowest and highest `a` at `x` under these accelerations and the torque limits.
+    pub fn range(&self, acceleration: &JointPositions, x: f64) -> (f64, f64) {
+        self.limits(acceleration)
+            .filter_map(|limit| limit.band())
+            .map(|band| (band.middle + band.slope * x, band.half))
+            .fold(
+                (f64::NEG_INFINITY, f64::INFINITY),
+                |(low, high), (middle, half)| (low.max(middle - half), high.min(middle + half)),
+            )
     }
 
     /// The same stretch, ending earlier.

@@ -8,48 +8,13 @@
 use depal_frames::JointPositions;
 
 use crate::cell::{Cell, Law};
-use crate::passes::{Bounds, Cells, Limit, run};
+use crate::passes::{Bounds, Cells, run};
 
 /// Relative excess of the given speed over the highest feasible one that still counts as feasible:
 /// the limits are held at three places of a cell, and a cell that was divided has new ones.
 const SLACK: f64 = 2e-4;
 /// The same where torques limit: they bend along a cell. [`crate::torque`] leaves room for it.
 const TORQUE_SLACK: f64 = 3e-3;
-
-fn limits<'a>(
-    cell: &'a Cell,
-    acceleration: &'a JointPositions,
-) -> impl Iterator<Item = Limit> + 'a {
-    let width = cell.width();
-    (0..acceleration.len())
-        .flat_map(move |j| {
-            [
-                (&cell.at_from, 0.0),
-                (&cell.at_middle, width),
-                (&cell.at_to, 2.0 * width),
-            ]
-            .map(|(at, gain)| Limit {
-                of_a: at.first[j] + gain * at.second[j],
-                of_x: at.second[j],
-                rest: 0.0,
-                limit: acceleration[j],
-            })
-        })
-        .chain(cell.torque.iter().copied())
-}
-
-impl Cell {
-    /// Lowest and highest `a` at `x` under these accelerations and the torque limits.
-    fn range(&self, acceleration: &JointPositions, x: f64) -> (f64, f64) {
-        limits(self, acceleration)
-            .filter_map(|limit| limit.band())
-            .map(|band| (band.middle + band.slope * x, band.half))
-            .fold(
-                (f64::NEG_INFINITY, f64::INFINITY),
-                |(low, high), (middle, half)| (low.max(middle - half), high.min(middle + half)),
-            )
-    }
-}
 
 impl Cells for [Cell] {
     fn count(&self) -> usize {
@@ -69,22 +34,16 @@ impl Cells for [Cell] {
     }
 
     fn even(&self, cell: usize) -> Option<f64> {
-        let cell = &self[cell];
-        let is_even = cell.curve.is_straight() && cell.torque.is_empty();
-        is_even.then(|| cell.range(&cell.limits.joint_acceleration, 0.0).1)
+        self[cell].even
     }
 
     fn highest(&self, cell: usize) -> f64 {
-        limits(&self[cell], &self[cell].limits.joint_acceleration)
-            .map(|limit| limit.highest())
-            .fold(f64::INFINITY, f64::min)
+        self[cell].highest
     }
 
     fn narrow(&self, cell: usize, bounds: &mut Bounds) {
-        for limit in limits(&self[cell], &self[cell].limits.joint_acceleration) {
-            if let Some(band) = limit.band() {
-                bounds.narrow(&band);
-            }
+        for band in &self[cell].bands {
+            bounds.narrow(band);
         }
     }
 }

@@ -170,6 +170,9 @@ impl Trajectory {
             link = 1.0;
         }
         push_cells(&mut self.cells, next, id, (enter, 1.0), after);
+        // What lies before the last stand stays as it is.
+        let stand = (free..cut).rev().find(|i| self.cells[*i].link == 0.0);
+        let free = stand.unwrap_or(free);
         let first = &self.cells[free];
         let (entry, start) = match free.checked_sub(1) {
             Some(i) if first.link > 0.0 => {

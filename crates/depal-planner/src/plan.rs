@@ -62,7 +62,9 @@ pub struct PickPlan {
     /// during the straight lift and set-down does not count. Measured at single states: between them it may be smaller by
     /// a fifth and 1 mm, and it is proven to stay positive.
     pub min_clearance: f64,
-    /// Estimated time of the whole way, without waiting, s.
+    /// Time of the whole way, without waiting, s: that of the law which moves the arm, in the manner of the shipped
+    /// programs (percentages of 5 m/s and 500 degrees/s, 70 % of the accelerations behind the pick, stops at pick and
+    /// place, corners of 10 mm beside them and of 50 mm elsewhere), with gripper and assumed cartons for an arm with torque limits.
     pub estimated_time: f64,
     /// Boxes that come before this one in order or are unfit, and why.
     pub rejected: Vec<Rejection>,

@@ -83,6 +83,13 @@ pub enum MoveZone {
         /// Reorientation distance, radians.
         orientation: f64,
     },
+    /// Between joint moves to joint targets: the corner is a parabola in joint space between the points so far before
+    /// the target and so far behind it. No language of ours asks for it; whoever drives a way of the planner as it was
+    /// planned does. A cabinet without an arm stops there.
+    Blend {
+        /// L2 in joint space, radians.
+        joints: f64,
+    },
 }
 
 /// One motion instruction, language-neutral.
@@ -318,8 +325,13 @@ pub trait System {
             message: "outputs that are set along the way".into(),
         }))
     }
-    /// The carried load of moves handed over from now on: mass in kg, centre of mass in metres in the frame of the tool
-    /// that the move names. A cabinet without torque limits has no use for it.
+    /// What hangs on the flange all the time, in moves handed over from now on: mass in kg, centre of mass in metres in
+    /// the flange frame; `None` for what the cabinet was set up with. A cabinet without torque limits has no use for it.
+    fn set_tool_load(&mut self, load: Option<(f64, Point)>) {
+        let _ = load;
+    }
+    /// The load carried on top of it, of moves handed over from now on: mass in kg, centre of mass in metres in the
+    /// frame of the tool that the move names. A cabinet without torque limits has no use for it.
     fn set_payload(&mut self, mass: f64, centre_in_tcp: Point) {
         let _ = (mass, centre_in_tcp);
     }

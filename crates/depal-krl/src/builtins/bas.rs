@@ -125,9 +125,34 @@ fn frame_of(
     number: f64,
 ) -> Result<(), RaisedError> {
     let frame = numbered_frame(context, table, number)?;
+    if table == "tool_data" {
+        let load = numbered_load(context, number);
+        *variable_mut(context, "$load") = load;
+    }
     *variable_mut(context, target) = frame;
     *variable_mut(context, number_of) = Value::Int(number.round() as i64);
     Ok(())
+}
+
+/// The load of a tool by its number; one without a value, and that of number 0, has a mass of -1: that of the cabinet.
+pub(super) fn numbered_load(context: &CallContext<'_>, number: f64) -> Value {
+    let of_cabinet = || {
+        let mut load = variable(context, "$load").clone();
+        if let Value::Record(parts) = &mut load
+            && let Some(mass) = parts.first_mut()
+        {
+            *mass = Value::Num(-1.0);
+        }
+        load
+    };
+    let index = (number.round() as i64).checked_sub(1);
+    match (variable(context, "load_data"), index.map(usize::try_from)) {
+        (Value::Array(loads), Some(Ok(index))) => match loads.get(index) {
+            Some(load) if !load.is_unset() => load.clone(),
+            _ => of_cabinet(),
+        },
+        _ => of_cabinet(),
+    }
 }
 
 /// A tool or base by its number; 0 is the null frame.

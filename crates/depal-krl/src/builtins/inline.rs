@@ -3,7 +3,7 @@
 use depal_vm::system::System;
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 
-use super::bas::numbered_frame;
+use super::bas::{numbered_frame, numbered_load};
 use super::state::{setting, variable};
 use super::table::{Entry, Ran};
 
@@ -90,10 +90,5 @@ fn cp(context: &CallContext<'_>, most: &str, along: Option<f64>) -> Ran {
 
 fn load(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     let number = context.number(0)?;
-    let found = match variable(context, "load_data") {
-        Value::Array(loads) if number >= 1.0 => loads.get(number as usize - 1).cloned(),
-        _ => None,
-    };
-    let made = found.unwrap_or_else(|| variable(context, "$load").clone());
-    Ok(Outcome::Done(made))
+    Ok(Outcome::Done(numbered_load(context, number)))
 }

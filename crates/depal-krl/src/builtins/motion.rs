@@ -133,6 +133,7 @@ fn movement(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         request.zone = MoveZone::Fine;
     }
     let events = path_events(context)?;
+    system.set_tool_load(load_at_flange(context));
     let id = match system.start_move_with_events(&request, &events) {
         Poll::Pending => return Ok(Outcome::Blocked),
         Poll::Ready(Ok(id)) => id,

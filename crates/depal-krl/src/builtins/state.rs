@@ -1,5 +1,6 @@
 //! What the built-ins remember: variables that no program can name.
 
+use depal_frames::Point;
 use depal_vm::system::{MoveId, System};
 use depal_vm::{CallContext, RaisedError, Value};
 
@@ -148,6 +149,15 @@ pub(super) fn variable<'a>(context: &'a CallContext<'_>, name: &str) -> &'a Valu
 
 pub(super) fn variable_mut<'a>(context: &'a mut CallContext<'_>, name: &str) -> &'a mut Value {
     &mut context.memory.globals[slot_of(name)]
+}
+
+/// `$LOAD`, tool and workpiece together: mass, kg, and centre of mass, m in the flange frame. None while its mass is
+/// negative or has no value: then what the cabinet was set up with counts. Moments of inertia do not count.
+pub(super) fn load_at_flange(context: &CallContext<'_>) -> Option<(f64, Point)> {
+    let part = |path: &[usize]| setting(context, "$load", path).ok();
+    let mass = part(&[0]).filter(|mass| *mass >= 0.0)?;
+    let centre = [0, 1, 2].map(|axis| part(&[1, axis]).unwrap_or(0.0) * 1e-3);
+    Some((mass, Point::from(centre)))
 }
 
 /// A number of a predefined variable or of a part of it.

@@ -2,10 +2,11 @@ use depal_frames::JointPositions;
 
 use super::way::{Lifted, States};
 use crate::{
+    candidate::load,
     plan::{Motion, PickPlan, Waypoint},
     situation::Situation,
     suction::{along, loaded_percent, vertical_percent},
-    timing::{Trapezoid, chain_time},
+    timing::{Trapezoid, chain_time, predicted_time},
 };
 
 /// A proven way as waypoints, with the velocities that the suction bears.
@@ -70,9 +71,13 @@ pub(super) fn finished(
         false,
     );
     let size = group.whole.size;
+    // The law that moves the arm; where it cannot make a move, the sum of the moves alone.
+    let mass = load(group, settings);
+    let estimated_time = predicted_time(request, &waypoints, mass, &carton_in_tcp)
+        .unwrap_or_else(|_| chain_time(&moves));
     PickPlan {
         pick_index: there.len() - 1,
-        estimated_time: chain_time(&moves),
+        estimated_time,
         waypoints,
         box_index: group.members[0],
         box_indices: group.members.clone(),

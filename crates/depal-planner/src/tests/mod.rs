@@ -13,6 +13,7 @@ use crate::{
 };
 
 mod choice;
+mod executed;
 mod given;
 mod groups;
 mod obstacles;

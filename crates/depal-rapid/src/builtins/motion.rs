@@ -110,6 +110,8 @@ pub(super) struct Asked {
     pub stand: f64,
     /// Go on without waiting for the stop point.
     pub concurrent: bool,
+    /// Mass of the tool in use, kg, and its centre, m in the flange frame.
+    pub tool_load: (f64, Point),
 }
 
 /// `base_from_tcp` of a robtarget.
@@ -251,6 +253,7 @@ fn asked(
             .filter(|data| number(data, 0) == 2.0)
             .map_or(0.0, |data| number(&data, 3)),
         concurrent: places.conc.is_some_and(|index| context.is_given(index)),
+        tool_load: tool_load(context.required(places.tool)?),
     })
 }
 
@@ -264,6 +267,7 @@ pub(super) fn perform(
     let done = Ok(Outcome::Done(Value::Absent));
     if context.notes.is_empty() {
         let asked = make(context, system)?;
+        system.set_tool_load(Some(asked.tool_load));
         let id = match system.start_move_with_events(&asked.request, &asked.along) {
             Poll::Pending => return Ok(Outcome::Blocked),
             Poll::Ready(Ok(id)) => id,

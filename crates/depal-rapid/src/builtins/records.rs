@@ -1,7 +1,7 @@
 //! RAPID records of the predefined types to and from poses and joints in SI.
 
 use depal_frames::nalgebra::{Quaternion, Translation3};
-use depal_frames::{JointPositions, Pose, Rotation, Vector};
+use depal_frames::{JointPositions, Point, Pose, Rotation, Vector};
 use depal_vm::{CallContext, RaisedError, Value};
 
 use crate::errors::error;
@@ -94,6 +94,14 @@ pub(super) fn tool(value: &Value) -> Result<Pose, RaisedError> {
         ));
     }
     pose(part(value, 1))
+}
+
+/// Mass (kg) and centre of mass (m, in the flange frame) of the tool itself: the `tload` of `tooldata`.
+/// Its axes and moments of inertia do not count.
+pub(super) fn tool_load(value: &Value) -> (f64, Point) {
+    let load = part(value, 2);
+    let centre_mm = vector(part(load, 1));
+    (number(load, 0).max(0.0), Point::from(centre_mm * 1e-3))
 }
 
 /// `base_from_object` of `wobjdata`; the identity if none is given. World and base are the same.

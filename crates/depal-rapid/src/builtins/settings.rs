@@ -119,8 +119,7 @@ fn sing_area(context: &mut CallContext<'_>, _: &mut dyn System) -> Ran {
     done()
 }
 
-/// The load is remembered; the motion model has no masses.
-/// Mass and centre of mass count; axes and moments of inertia of the load do not.
+/// The load on top of that of the tool. Mass and centre of mass count; axes and moments of inertia do not.
 fn grip_load(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let load = context.required(0)?;
     let mass = super::records::number(load, 0);

@@ -1,10 +1,17 @@
 //! The gripper of a scene as a specification.
 
+use depal_arm::Load;
 use depal_frames::nalgebra::Translation3;
-use depal_frames::{PlacedShape, Pose, Rotation, Vector};
+use depal_frames::{PlacedShape, Point, Pose, Rotation, Vector};
 use depal_gripper::{CupSpec, FlowSpec, GripperSpec, SectionSpec, VacuumSpec};
 
 use crate::gripper::Gripper;
+
+/// What the cabinet is told of the gripper at its flange: all of its mass halfway to the tool centre.
+pub(super) fn load(gripper: &Gripper) -> Load {
+    let halfway = Vector::from(gripper.tcp_xyz_mm) * 0.5e-3;
+    Load::point(gripper.mass_kg, Point::from(halfway))
+}
 
 /// Millimetres and degrees become metres and radians; the cups are spread over their sections.
 pub(super) fn gripper(gripper: &Gripper) -> GripperSpec {

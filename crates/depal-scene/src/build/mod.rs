@@ -135,6 +135,7 @@ impl Scene {
         }
         let driven = scaled(&arm, robot.velocity_scale)?;
         let mut controller = ControllerSpec::new("rob1", driven, start);
+        controller.mounted = gripper::load(&self.gripper);
         controller.signals = robot.signal.iter().map(signal).collect();
         controller.families = robot.language().signal_families();
         controller.statement_cost = SimDuration::from_nanos((robot.statement_cost_us * 1e3) as u64);

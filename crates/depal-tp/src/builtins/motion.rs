@@ -269,10 +269,25 @@ fn request(
     Ok((request, along(context)?))
 }
 
+/// The payload schedule in use, gripper and part together: mass, kg, and its centre, m in the flange frame.
+/// `$PLST_GRP1[n].$PAYLOAD` is in kg, `$PAYLOAD_X` to `_Z` in cm (as on the payload screen; our reading, to be
+/// confirmed). None while the mass has no value: then what the cabinet was set up with counts.
+fn load(context: &CallContext<'_>) -> Option<(f64, Point)> {
+    let schedule = state::number(context.memory, state::PAYLOAD);
+    let part = |name: &str| {
+        let name = format!("$PLST_GRP1[{schedule}].$PAYLOAD{name}");
+        super::registers::system_variable(context.memory, &name).and_then(|v| v.as_number())
+    };
+    let mass = part("").filter(|mass| *mass >= 0.0)?;
+    let centre = ["_X", "_Y", "_Z"].map(|axis| part(axis).unwrap_or(0.0) * 1e-2);
+    Some((mass, Point::from(centre)))
+}
+
 /// Queues a move; waits for it if it ends in FINE. Answers its number.
 fn start(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     if context.notes.is_empty() {
         let (request, events) = request(context, system)?;
+        system.set_tool_load(load(context));
         let id = match system.start_move_with_events(&request, &events) {
             Poll::Pending => return Ok(Outcome::Blocked),
             Poll::Ready(Ok(id)) => id,

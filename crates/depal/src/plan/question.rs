@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use depal_arm::{Arm, ArmWarning};
-use depal_frames::{PlacedShape, Pose, Rotation, Vector, nalgebra::Quaternion};
+use depal_arm::{Arm, ArmWarning, Load};
+use depal_frames::{JointPositions, PlacedShape, Point, Pose, Rotation, Vector, nalgebra::Quaternion};
 use depal_planner::TransferScene;
 use serde_json::Value;
 
@@ -275,13 +275,18 @@ fn scene(root: &At, arm: Arm) -> Result<TransferScene, Failure> {
         None => Ok(Vec::new()),
     };
     let mut attached = Vec::new();
+    let mut load = Load::NONE;
     for at in list("attached")? {
         let on = match (at.optional("link")?, tcp_link) {
             (Some(name), _) => link(&name)?,
             (None, Some(tcp)) => tcp,
             (None, None) => return Err(at.fault("the key 'link' is missing")),
         };
-        attached.push((on, at.cuboid(&["center", "size", "quat_wxyz", "link"])?));
+        let body = at.cuboid(&["center", "size", "quat_wxyz", "link", "mass_kg"])?;
+        if let Some(mass) = at.optional("mass_kg")? {
+            load = load.and(&weight(&arm, on, &body, &mass)?);
+        }
+        attached.push((on, body));
     }
     let mut obstacles = Vec::new();
     for at in list("obstacles")? {
@@ -308,10 +313,35 @@ fn scene(root: &At, arm: Arm) -> Result<TransferScene, Failure> {
     Ok(TransferScene {
         arm,
         attached,
+        load,
         obstacles,
         allowed_pairs,
         tcp_link,
     })
+}
+
+/// A body's mass as a point in its middle, at the flange.
+fn weight(arm: &Arm, link: usize, body: &PlacedShape, mass: &At) -> Result<Load, Failure> {
+    let kilograms = mass.number()?;
+    if kilograms < 0.0 {
+        return Err(mass.unexpected("a mass of 0 kg or more"));
+    }
+    let offset = |joints: &JointPositions| {
+        arm.base_from_flange(joints).inverse() * arm.base_from_links(joints)[link]
+    };
+    let mut bent = JointPositions::zeros(arm.joint_count());
+    bent.fill(0.3);
+    let flange_from_link = offset(&JointPositions::zeros(arm.joint_count()));
+    let there = offset(&bent);
+    let moved = (there.translation.vector - flange_from_link.translation.vector).norm();
+    if moved > 1e-6 || there.rotation.angle_to(&flange_from_link.rotation) > 1e-6 {
+        let name = &arm.links()[link].name;
+        return Err(mass.fault(&format!(
+            "only what is fixed to the flange may have a mass, and '{name}' moves against it"
+        )));
+    }
+    let middle = flange_from_link * Point::from(body.pose.translation.vector);
+    Ok(Load::point(kilograms, middle))
 }
 
 fn text(path: &Path) -> Result<String, Failure> {
