@@ -6,6 +6,7 @@ mod counterfactuals;
 mod determinism;
 mod faults;
 mod interface;
+mod meshes;
 mod modules;
 mod runner;
 mod scenes;
