@@ -7,6 +7,7 @@ mod determinism;
 mod eye_in_hand;
 mod faults;
 mod interface;
+mod meshes;
 mod modules;
 mod runner;
 mod scenes;

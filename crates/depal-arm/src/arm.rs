@@ -4,10 +4,11 @@ use crate::{
     ArmError, ArmWarning,
     chain::{Chain, Motion},
     dynamics::Dynamics,
-    numeric,
+    numeric::{self, Way},
     opw::Solver,
     palletizer::Palletizer,
     shapes::MeshSource,
+    source::Place,
     urdf::{self, Accelerations},
     verify::check_forward,
 };
@@ -66,6 +67,8 @@ pub(crate) enum Inverse {
 
 /// A solution may lie outside a limit by this much, rad; it is then put onto the limit.
 const LIMIT_SLACK: f64 = 1e-9;
+/// Combinations of whole turns that are listed of one branch.
+const MOST_TURNS: usize = 1024;
 
 impl Arm {
     /// Reads a URDF.
@@ -149,8 +152,18 @@ impl Arm {
         } else {
             match Solver::recognise(chain, names) {
                 Ok(solver) => Inverse::Wrist(Box::new(solver)),
-                Err(reason) => {
-                    warnings.push(ArmWarning::NumericInverse { reason });
+                Err(mut reason) => {
+                    let at = loaded.source.at(&reason);
+                    reason += match names.len() {
+                        0..=5 => {
+                            "; with fewer than six joints only the poses that it can reach exactly have solutions"
+                        }
+                        6 => "",
+                        _ => {
+                            "; with more than six joints every pose has endlessly many solutions, of which up to 24 are given"
+                        }
+                    };
+                    warnings.push(ArmWarning::NumericInverse { at, reason });
                     Inverse::Numeric
                 }
             }
@@ -182,7 +195,7 @@ impl Arm {
         for values in [max_speeds, max_accelerations] {
             if values.len() != self.limits.len() {
                 return Err(ArmError::AccelerationCount {
-                    file: self.name,
+                    at: Place::file(&self.name),
                     found: values.len(),
                     expected: self.limits.len(),
                 });
@@ -195,7 +208,7 @@ impl Arm {
             ] {
                 if !(value > 0.0 && value.is_finite()) {
                     return Err(ArmError::NotPositive {
-                        file: self.name,
+                        at: Place::file(&self.name),
                         element: format!("{what} limit of joint '{}'", self.joint_names[i]),
                         value,
                     });
@@ -330,7 +343,7 @@ impl Arm {
                 .vector
                 .iter()
                 .all(|v| v.is_finite())
-            && let Some(found) = numeric::descend(&self.chain, &self.limits, base_from_flange, near)
+            && let Some(found) = numeric::nearest(&self.chain, &self.limits, base_from_flange, near)
         {
             return Some(found);
         }
@@ -374,11 +387,14 @@ impl Arm {
                 .iter()
                 .map(|b| JointPositions::from_slice(b))
                 .collect(),
-            Inverse::Numeric => numeric::solutions(&self.chain, &self.limits, base_from_flange),
+            Inverse::Numeric => {
+                numeric::solutions(&self.chain, &self.limits, base_from_flange, Way::Both)
+            }
         }
     }
 
-    /// Adds `branch` with every combination of whole turns inside the limits.
+    /// Adds `branch` with every combination of whole turns inside the limits; of more than [`MOST_TURNS`] joints at the
+    /// end of the arm get the turn next to zero only.
     fn add_turns(&self, branch: &JointPositions, solutions: &mut Vec<JointPositions>) {
         use std::f64::consts::TAU;
         let mut partial = vec![*branch];
@@ -387,6 +403,15 @@ impl Arm {
             for candidate in &partial {
                 let first = ((limit.lower - LIMIT_SLACK - candidate[joint]) / TAU).ceil() as i64;
                 let last = ((limit.upper + LIMIT_SLACK - candidate[joint]) / TAU).floor() as i64;
+                let next_to_zero = (-candidate[joint] / TAU).round() as i64;
+                let many = (last - first + 1) as usize * partial.len() > MOST_TURNS;
+                let (first, last) = match many && first <= last {
+                    true => (
+                        next_to_zero.clamp(first, last),
+                        next_to_zero.clamp(first, last),
+                    ),
+                    false => (first, last),
+                };
                 for turns in first..=last {
                     let mut turned = *candidate;
                     turned[joint] =

@@ -4,7 +4,7 @@ use depal_frames::{JointPositions, Point, Pose, Vector};
 use nalgebra::Matrix3;
 
 use crate::{
-    Arm, ArmError,
+    Arm, ArmError, Place,
     chain::{Chain, Motion},
 };
 
@@ -121,7 +121,7 @@ impl Arm {
     pub fn with_torque_limits(mut self, max_torques: &[f64]) -> Result<Self, ArmError> {
         if max_torques.len() != self.joint_count() {
             return Err(ArmError::AccelerationCount {
-                file: self.name().to_owned(),
+                at: Place::file(self.name()),
                 found: max_torques.len(),
                 expected: self.joint_count(),
             });

@@ -1,30 +1,46 @@
 use depal_frames::MAX_JOINTS;
 
+use crate::Place;
+
 /// Why a description was refused. Every message names the file and the element.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArmError {
     /// Not XML, or not URDF.
-    #[error("{file}: not a readable URDF: {reason}")]
+    #[error("{at}: not a readable URDF: {reason}")]
     Unreadable {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// What the reader said.
         reason: String,
     },
+    /// A tag without what it needs, or with an attribute that cannot be read.
+    #[error("{at}: {element}: {reason}")]
+    Malformed {
+        /// Where it stands.
+        at: Place,
+        /// Kind, name and tag.
+        element: String,
+        /// Expected and found.
+        reason: String,
+    },
     /// Two elements of one kind share a name.
-    #[error("{file}: {element} is defined twice")]
+    #[error("{at}: {element} is defined twice, first in line {first}; names must differ")]
     Duplicate {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// Kind and name.
         element: String,
+        /// Line of the first one.
+        first: usize,
     },
     /// A joint names a link that does not exist.
-    #[error("{file}: joint '{joint}': {role} link '{link}' does not exist")]
+    #[error(
+        "{at}: joint '{joint}': {role} link '{link}' does not exist; expected the name of a <link> of this file"
+    )]
     UnknownLink {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// The joint.
         joint: String,
         /// `parent` or `child`.
@@ -33,20 +49,20 @@ pub enum ArmError {
         link: String,
     },
     /// Following the joints leads back to the same link.
-    #[error("{file}: the joints form a cycle through link '{link}'; expected a tree")]
+    #[error("{at}: the joints form a cycle through link '{link}'; expected a tree")]
     Cycle {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// A link on the cycle.
         link: String,
     },
     /// A link is the child of two joints.
     #[error(
-        "{file}: link '{link}' is the child of both joint '{first}' and joint '{second}'; expected one parent"
+        "{at}: link '{link}' is the child of both joint '{first}' and joint '{second}'; expected one parent"
     )]
     TwoParents {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// The link.
         link: String,
         /// Its first joint in the file.
@@ -56,20 +72,20 @@ pub enum ArmError {
     },
     /// More than one link has no parent.
     #[error(
-        "{file}: {} root links ({}); expected one, a joint is missing",
+        "{at}: {} root links ({}); expected one: a joint is missing, a fixed one for instance",
         roots.len(), roots.join(", ")
     )]
     ManyRoots {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// Links without parent, in file order.
         roots: Vec<String>,
     },
     /// NaN or infinity.
-    #[error("{file}: {element}: {value} is not a finite number")]
+    #[error("{at}: {element}: {value} is not a finite number; expected a number")]
     NotFinite {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// Kind, name and attribute.
         element: String,
         /// As it was read.
@@ -77,19 +93,21 @@ pub enum ArmError {
     },
     /// A revolute joint without `<limit>`.
     #[error(
-        "{file}: joint '{joint}': <limit> is missing; expected lower, upper (rad) and velocity (rad/s)"
+        "{at}: joint '{joint}': <limit> is missing; expected lower, upper (rad) and velocity (rad/s)"
     )]
     MissingLimit {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// The joint.
         joint: String,
     },
     /// Limits the wrong way round, or empty.
-    #[error("{file}: joint '{joint}' <limit>: lower {lower} rad is not below upper {upper} rad")]
+    #[error(
+        "{at}: joint '{joint}' <limit>: lower {lower} rad is not below upper {upper} rad; swap or widen them"
+    )]
     LimitOrder {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// The joint.
         joint: String,
         /// Radians.
@@ -97,31 +115,64 @@ pub enum ArmError {
         /// Radians.
         upper: f64,
     },
+    /// Limits beyond many turns.
+    #[error(
+        "{at}: joint '{joint}' <limit>: {lower} to {upper} rad is many turns; limits are radians, not degrees ({upper} degrees are {:.4} rad)",
+        upper.to_radians()
+    )]
+    LimitInDegrees {
+        /// Where it stands.
+        at: Place,
+        /// The joint.
+        joint: String,
+        /// As it was read.
+        lower: f64,
+        /// As it was read.
+        upper: f64,
+    },
+    /// A length that no arm has.
+    #[error(
+        "{at}: {element}: {length:.0} m long, expected at most {most} m; lengths are metres{hint}"
+    )]
+    TooLong {
+        /// Where it stands.
+        at: Place,
+        /// Kind, name and attribute.
+        element: String,
+        /// Metres.
+        length: f64,
+        /// Metres.
+        most: f64,
+        /// What to write instead, or nothing.
+        hint: &'static str,
+    },
     /// A length, mass, speed or acceleration must be positive.
-    #[error("{file}: {element}: {value} found, expected a positive value")]
+    #[error("{at}: {element}: {value} found, expected a positive value")]
     NotPositive {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// Kind, name and attribute.
         element: String,
         /// SI.
         value: f64,
     },
     /// `<axis xyz="0 0 0"/>`.
-    #[error("{file}: joint '{joint}' <axis>: the zero vector has no direction")]
+    #[error(
+        "{at}: joint '{joint}' <axis>: the zero vector has no direction; expected for instance xyz=\"0 0 1\""
+    )]
     ZeroAxis {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// The joint.
         joint: String,
     },
     /// Joints that this crate cannot move.
     #[error(
-        "{file}: joint '{joint}': {what} is not supported; expected revolute, continuous or fixed"
+        "{at}: joint '{joint}': {what} is not supported; expected revolute, continuous or fixed"
     )]
     UnsupportedJoint {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// The joint.
         joint: String,
         /// What it is.
@@ -129,11 +180,11 @@ pub enum ArmError {
     },
     /// No joint between base and flange, or more than can be held.
     #[error(
-        "{file}: chain from '{base}' to '{tip}': {found} joints, expected 1 to {MAX_JOINTS} revolute or continuous ones"
+        "{at}: chain from '{base}' to '{tip}': {found} joints, expected 1 to {MAX_JOINTS} revolute or continuous ones"
     )]
     JointCount {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// Root link.
         base: String,
         /// Flange link.
@@ -142,28 +193,32 @@ pub enum ArmError {
         found: usize,
     },
     /// A mimic joint follows a joint that does not exist.
-    #[error("{file}: joint '{joint}' <mimic>: joint '{master}' does not exist")]
+    #[error(
+        "{at}: joint '{joint}' <mimic>: joint '{master}' does not exist; expected the name of a <joint> of this file"
+    )]
     UnknownMimic {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// The joint.
         joint: String,
         /// The missing one.
         master: String,
     },
     /// Mimics follow each other in a ring, or one itself.
-    #[error("{file}: joint '{joint}' <mimic>: it follows itself in the end")]
+    #[error(
+        "{at}: joint '{joint}' <mimic>: it follows itself in the end; expected one that leads to a joint without <mimic>"
+    )]
     MimicLoop {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// The joint.
         joint: String,
     },
     /// The list of accelerations does not fit.
-    #[error("{file}: {found} joint accelerations given, expected {expected}")]
+    #[error("{at}: {found} joint accelerations given, expected {expected}")]
     AccelerationCount {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// Given.
         found: usize,
         /// Joints of the arm.
@@ -171,11 +226,11 @@ pub enum ArmError {
     },
     /// Two independent computations of the flange pose differ.
     #[error(
-        "{file}: forward kinematics differ by {error_m:e} m and {error_rad:e} rad from {oracle} at joints {joints:?} rad; allowed 1e-9 m and 1e-7 rad"
+        "{at}: forward kinematics differ by {error_m:e} m and {error_rad:e} rad from {oracle} at joints {joints:?} rad; allowed 1e-9 m and 1e-7 rad"
     )]
     ForwardMismatch {
-        /// Name of the source.
-        file: String,
+        /// Where it stands.
+        at: Place,
         /// Which other computation.
         oracle: &'static str,
         /// Metres.
@@ -187,15 +242,45 @@ pub enum ArmError {
     },
 }
 
+impl ArmError {
+    /// Where the fault stands.
+    pub fn place(&self) -> &Place {
+        match self {
+            Self::Unreadable { at, .. }
+            | Self::Malformed { at, .. }
+            | Self::Duplicate { at, .. }
+            | Self::UnknownLink { at, .. }
+            | Self::Cycle { at, .. }
+            | Self::TwoParents { at, .. }
+            | Self::ManyRoots { at, .. }
+            | Self::NotFinite { at, .. }
+            | Self::MissingLimit { at, .. }
+            | Self::LimitOrder { at, .. }
+            | Self::LimitInDegrees { at, .. }
+            | Self::TooLong { at, .. }
+            | Self::NotPositive { at, .. }
+            | Self::ZeroAxis { at, .. }
+            | Self::UnsupportedJoint { at, .. }
+            | Self::JointCount { at, .. }
+            | Self::UnknownMimic { at, .. }
+            | Self::MimicLoop { at, .. }
+            | Self::AccelerationCount { at, .. }
+            | Self::ForwardMismatch { at, .. } => at,
+        }
+    }
+}
+
 /// What was left out of a description that is otherwise good.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArmWarning {
     /// Mesh files are not read: no source of them was given, or the mesh is only to look at.
     #[error(
-        "link '{link}' <{element}>: mesh '{mesh}' is not read; the link has no such body there"
+        "{at}: link '{link}' <{element}>: mesh '{mesh}' is not read; the link has no such body there"
     )]
     MeshSkipped {
+        /// Where it stands.
+        at: Place,
         /// The link.
         link: String,
         /// `visual` or `collision`.
@@ -204,8 +289,12 @@ pub enum ArmWarning {
         mesh: String,
     },
     /// A mesh file could not be used.
-    #[error("link '{link}' <{element}>: mesh '{mesh}': {reason}; the link has no such body there")]
+    #[error(
+        "{at}: link '{link}' <{element}>: mesh '{mesh}': {reason}; the link has no such body there"
+    )]
     MeshUnread {
+        /// Where it stands.
+        at: Place,
         /// The link.
         link: String,
         /// `visual` or `collision`.
@@ -216,15 +305,31 @@ pub enum ArmWarning {
         reason: String,
     },
     /// A movable joint beside the chain to the flange.
-    #[error("joint '{joint}' is not on the way to the flange: it stays at zero")]
+    #[error("{at}: joint '{joint}' is not on the way to the flange: it stays at zero")]
     JointFrozen {
+        /// Where it stands.
+        at: Place,
         /// The joint.
         joint: String,
     },
     /// No closed form fits.
-    #[error("inverse kinematics is numeric, because {reason}")]
+    #[error("{at}: inverse kinematics is numeric, because {reason}")]
     NumericInverse {
+        /// The joint that no closed form knows.
+        at: Place,
         /// Why, with the joint.
         reason: String,
     },
+}
+
+impl ArmWarning {
+    /// Where it stands.
+    pub fn place(&self) -> &Place {
+        match self {
+            Self::MeshSkipped { at, .. }
+            | Self::MeshUnread { at, .. }
+            | Self::JointFrozen { at, .. }
+            | Self::NumericInverse { at, .. } => at,
+        }
+    }
 }

@@ -96,6 +96,12 @@ fn farthest_outside(
     chosen.into_iter().map(|i| points[i]).collect()
 }
 
+/// Diagonal of the box around all points.
+pub(crate) fn size(points: &[Point]) -> f64 {
+    let (low, high) = bounds(points);
+    (high - low).norm()
+}
+
 fn bounds(points: &[Point]) -> (Point, Point) {
     let mut low = points[0];
     let mut high = points[0];

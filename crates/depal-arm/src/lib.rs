@@ -27,13 +27,19 @@
 //!
 //! Inverse kinematics: closed form for six axes in ortho-parallel order with a spherical wrist (all branches and turns)
 //! and for four-axis palletizers written as a chain with two mimics (all branches);
-//! for any other chain of up to eight joints a damped descent from fixed beginnings, which may miss solutions
-//! (of a six-axis arm taken for unknown it met every branch of the closed form at 25 random poses).
+//! for any other chain of up to eight joints a search from fixed beginnings, always the same ones: a damped descent
+//! comes near, Newton's method of the chain library (`k`) ends it, which may miss solutions and takes milliseconds.
+//! Of a UR10e and a CRX-10iA (wrists that are no ball) every one of 1000 random poses is solved, with 7 and 8 postures on
+//! average; the library's solver alone takes twice the time and misses more.
+//! With more than six joints up to 24 of the endless many are given; with fewer only poses that it can reach exactly.
+//!
+//! Every fault and every warning names file, line and element ([`Place`]).
 //!
 //! Limitations: revolute and continuous joints only (continuous ones may turn once either way); movable joints beside the chain
 //! stay at zero. Visual meshes are not read; collision meshes become convex hulls where a source of their bytes is given
 //! ([`Arm::from_urdf_with_meshes`]): STL, OBJ and COLLADA without controllers (skins) and without `<lines>`-only geometry;
-//! no GLTF, PLY or compressed files. [`Arm::warnings`] tells what was left out.
+//! no GLTF, PLY or compressed files; a link whose visuals are all meshes is drawn as its solids.
+//! [`Arm::warnings`] tells what was left out.
 //! Torques are those of rigid links on an upright base: no friction, no rotor inertia, no counterweights or springs
 //! beyond what the masses of the file say.
 //! A palletizer's window between joints 2 and 3 (its rods) is not checked: URDF cannot say it.
@@ -49,10 +55,12 @@ mod dynamics;
 mod error;
 mod hull;
 mod mesh;
+mod newton;
 mod numeric;
 mod opw;
 mod palletizer;
 mod shapes;
+mod source;
 mod urdf;
 mod verify;
 
@@ -60,6 +68,7 @@ pub use arm::{Arm, JointLimit, Link};
 pub use dynamics::Load;
 pub use error::{ArmError, ArmWarning};
 pub use shapes::MeshSource;
+pub use source::Place;
 
 #[cfg(test)]
 mod tests;

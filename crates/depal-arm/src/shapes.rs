@@ -2,7 +2,7 @@ use depal_frames::{PlacedShape, Pose, Rotation, Shape, Vector};
 use nalgebra::Translation3;
 use urdf_rs::{Geometry, Robot};
 
-use crate::{ArmError, ArmWarning, Link, dynamics::Inertial, hull, mesh};
+use crate::{ArmError, ArmWarning, Link, dynamics::Inertial, hull, mesh, source::Source};
 
 /// Colour of a visual without material.
 const GREY: [u8; 3] = [180, 180, 180];
@@ -11,10 +11,15 @@ const GREY: [u8; 3] = [180, 180, 180];
 pub type MeshSource<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
 
 pub(crate) struct Reader<'a> {
-    pub file: &'a str,
+    pub source: &'a Source,
     /// None: meshes are left out.
     pub meshes: Option<&'a MeshSource<'a>>,
 }
+
+/// Longest way from joint to joint, and largest mesh, m: beyond it the file counts in millimetres.
+const LONGEST: f64 = 20.0;
+/// What to do about a mesh in millimetres.
+const IN_MILLIMETRES: &str = " (a mesh in millimetres needs scale=\"0.001 0.001 0.001\")";
 
 /// Smallest share of the largest moment of inertia by which a tensor may miss being possible.
 const INERTIA_SLACK: f64 = 1e-6;
@@ -24,7 +29,7 @@ impl Reader<'_> {
         match values.iter().find(|v| !v.is_finite()) {
             None => Ok(()),
             Some(&value) => Err(ArmError::NotFinite {
-                file: self.file.to_owned(),
+                at: self.source.at(element),
                 element: element.to_owned(),
                 value,
             }),
@@ -36,11 +41,25 @@ impl Reader<'_> {
         match values.iter().find(|v| **v <= 0.0) {
             None => Ok(()),
             Some(&value) => Err(ArmError::NotPositive {
-                file: self.file.to_owned(),
+                at: self.source.at(element),
                 element: element.to_owned(),
                 value,
             }),
         }
+    }
+
+    /// No arm is longer than [`LONGEST`].
+    pub fn length(&self, element: &str, length: f64, hint: &'static str) -> Result<(), ArmError> {
+        if length <= LONGEST {
+            return Ok(());
+        }
+        Err(ArmError::TooLong {
+            at: self.source.at(element),
+            element: element.to_owned(),
+            length,
+            most: LONGEST,
+            hint,
+        })
     }
 
     pub fn pose(&self, element: &str, pose: &urdf_rs::Pose) -> Result<Pose, ArmError> {
@@ -58,9 +77,9 @@ impl Reader<'_> {
         &self,
         link: &str,
         kind: &'static str,
+        element: &str,
         geometry: &Geometry,
     ) -> Result<Result<(Pose, Shape), ArmWarning>, ArmError> {
-        let element = format!("link '{link}' <{kind}>");
         let shape = match geometry {
             Geometry::Box { size } => {
                 self.positive(&format!("{element} <box> size"), &size.0)?;
@@ -91,12 +110,12 @@ impl Reader<'_> {
                 self.finite(&format!("{element} <mesh> scale"), &scale)?;
                 if scale.contains(&0.0) {
                     return Err(ArmError::NotPositive {
-                        file: self.file.to_owned(),
+                        at: self.source.at(&format!("{element} <mesh>")),
                         element: format!("{element} <mesh> scale"),
                         value: 0.0,
                     });
                 }
-                return Ok(self.hull(link, kind, filename, scale));
+                return self.hull(link, kind, element, filename, scale);
             }
         };
         Ok(Ok((Pose::identity(), shape)))
@@ -106,18 +125,21 @@ impl Reader<'_> {
     fn hull(
         &self,
         link: &str,
-        element: &'static str,
+        kind: &'static str,
+        element: &str,
         mesh: &str,
         scale: [f64; 3],
-    ) -> Result<(Pose, Shape), ArmWarning> {
+    ) -> Result<Result<(Pose, Shape), ArmWarning>, ArmError> {
+        let at = || self.source.at(&format!("{element} <mesh>"));
         let meshes = match self.meshes {
-            Some(meshes) if element == "collision" => meshes,
+            Some(meshes) if kind == "collision" => meshes,
             _ => {
-                return Err(ArmWarning::MeshSkipped {
+                return Ok(Err(ArmWarning::MeshSkipped {
+                    at: at(),
                     link: link.to_owned(),
-                    element,
+                    element: kind,
                     mesh: mesh.to_owned(),
-                });
+                }));
             }
         };
         let points = meshes(mesh).and_then(|bytes| mesh::points(mesh, &bytes));
@@ -128,14 +150,17 @@ impl Reader<'_> {
                         *value *= scale;
                     }
                 }
-                Ok(hull::around(&points))
+                let size = hull::size(&points);
+                self.length(&format!("{element} <mesh> '{mesh}'"), size, IN_MILLIMETRES)?;
+                Ok(Ok(hull::around(&points)))
             }
-            Err(reason) => Err(ArmWarning::MeshUnread {
+            Err(reason) => Ok(Err(ArmWarning::MeshUnread {
+                at: at(),
                 link: link.to_owned(),
-                element,
+                element: kind,
                 mesh: mesh.to_owned(),
                 reason,
-            }),
+            })),
         }
     }
 
@@ -147,6 +172,13 @@ impl Reader<'_> {
         if mass == 0.0 && values.iter().all(|v| *v == 0.0) {
             return Ok(());
         }
+        if mass == 0.0 {
+            return Err(ArmError::NotPositive {
+                at: self.source.at(&format!("link '{name}' <mass>")),
+                element: format!("link '{name}' <mass>"),
+                value: mass,
+            });
+        }
         let matrix = nalgebra::Matrix3::new(
             t.ixx, t.ixy, t.ixz, t.ixy, t.iyy, t.iyz, t.ixz, t.iyz, t.izz,
         );
@@ -156,7 +188,7 @@ impl Reader<'_> {
         // Zero tensors with a mass are common in drawings without dynamics: no inertia is given then.
         if values.iter().any(|v| *v != 0.0) && moments[0] < -slack {
             return Err(ArmError::NotPositive {
-                file: self.file.to_owned(),
+                at: self.source.at(&format!("link '{name}' <inertia>")),
                 element: format!("link '{name}' <inertia>: smallest principal moment, kg m2"),
                 value: moments[0],
             });
@@ -192,16 +224,17 @@ impl Reader<'_> {
         self.finite(&format!("link '{name}' <mass>"), &[mass])?;
         if mass < 0.0 {
             return Err(ArmError::NotPositive {
-                file: self.file.to_owned(),
+                at: self.source.at(&format!("link '{name}' <mass>")),
                 element: format!("link '{name}' <mass>"),
                 value: mass,
             });
         }
         self.inertia(name, mass, &link.inertial.inertia)?;
         let mut collision = Vec::new();
-        for c in &link.collision {
-            let pose = self.pose(&format!("link '{name}' <collision>"), &c.origin)?;
-            match self.shape(name, "collision", &c.geometry)? {
+        for (nth, c) in link.collision.iter().enumerate() {
+            let element = numbered(name, "collision", nth);
+            let pose = self.pose(&element, &c.origin)?;
+            match self.shape(name, "collision", &element, &c.geometry)? {
                 Ok((inside, shape)) => collision.push(PlacedShape {
                     pose: pose * inside,
                     shape,
@@ -210,9 +243,11 @@ impl Reader<'_> {
             }
         }
         let mut visual = Vec::new();
-        for v in &link.visual {
-            let pose = self.pose(&format!("link '{name}' <visual>"), &v.origin)?;
-            match self.shape(name, "visual", &v.geometry)? {
+        let mut undrawn = None;
+        for (nth, v) in link.visual.iter().enumerate() {
+            let element = numbered(name, "visual", nth);
+            let pose = self.pose(&element, &v.origin)?;
+            match self.shape(name, "visual", &element, &v.geometry)? {
                 Ok((inside, shape)) => visual.push((
                     PlacedShape {
                         pose: pose * inside,
@@ -220,8 +255,15 @@ impl Reader<'_> {
                     },
                     colour(robot, v.material.as_ref()),
                 )),
-                Err(warning) => warnings.push(warning),
+                Err(warning) => {
+                    undrawn = Some(colour(robot, v.material.as_ref()));
+                    warnings.push(warning);
+                }
             }
+        }
+        // What would not be seen at all is drawn as the solids that stand for it.
+        if let (true, Some(colour)) = (visual.is_empty(), undrawn) {
+            visual.extend(collision.iter().cloned().map(|solid| (solid, colour)));
         }
         Ok(Link {
             name: name.clone(),
@@ -229,6 +271,14 @@ impl Reader<'_> {
             visual,
             mass,
         })
+    }
+}
+
+/// How messages call the nth body of a kind.
+fn numbered(link: &str, kind: &str, nth: usize) -> String {
+    match nth {
+        0 => format!("link '{link}' <{kind}>"),
+        _ => format!("link '{link}' <{kind}> {}", nth + 1),
     }
 }
 

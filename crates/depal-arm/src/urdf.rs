@@ -1,7 +1,4 @@
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    f64::consts::TAU,
-};
+use std::{collections::BTreeMap, f64::consts::TAU};
 
 use depal_frames::{MAX_JOINTS, Pose, Vector};
 use nalgebra::Unit;
@@ -12,7 +9,11 @@ use crate::{
     chain::{Chain, Motion, Node},
     dynamics::Dynamics,
     shapes::{MeshSource, Reader},
+    source::{Place, Source},
 };
+
+/// A limit beyond this was written in degrees, rad: 16 turns.
+const MOST_TURNED: f64 = 100.0;
 
 /// Everything read from the file, checked.
 pub(crate) struct Loaded {
@@ -24,6 +25,7 @@ pub(crate) struct Loaded {
     pub dynamics: Dynamics,
     pub tip: String,
     pub warnings: Vec<ArmWarning>,
+    pub source: Source,
 }
 
 /// Accelerations, which a URDF does not have.
@@ -40,13 +42,16 @@ pub(crate) fn load(
     accelerations: &Accelerations,
     meshes: Option<&MeshSource>,
 ) -> Result<Loaded, ArmError> {
+    let source = Source::read(file, text)?;
     let robot = urdf_rs::read_from_string(text).map_err(|e| ArmError::Unreadable {
-        file: file.to_owned(),
+        at: Place::file(file),
         reason: e.to_string(),
     })?;
-    let reader = Reader { file, meshes };
-    check_names(&robot, file)?;
-    let order = link_order(&robot, file)?;
+    let reader = Reader {
+        source: &source,
+        meshes,
+    };
+    let order = link_order(&robot, &source)?;
     let index_of: BTreeMap<&str, usize> = order
         .iter()
         .enumerate()
@@ -75,8 +80,8 @@ pub(crate) fn load(
         .filter(|&j| robot.joints[j].joint_type != JointType::Fixed)
         .collect();
     for &joint in &on_way {
-        check_kind(&robot.joints[joint], file)?;
-        driver(&robot, joint, file)?;
+        check_kind(&robot.joints[joint], &source)?;
+        driver(&robot, joint, &source)?;
     }
     let chain_joints: Vec<usize> = on_way
         .iter()
@@ -86,7 +91,7 @@ pub(crate) fn load(
     let count = chain_joints.len();
     if count == 0 || count > MAX_JOINTS {
         return Err(ArmError::JointCount {
-            file: file.to_owned(),
+            at: source.at(&format!("link '{}'", robot.links[order[tip].0].name)),
             base: robot.links[order[0].0].name.clone(),
             tip: robot.links[order[tip].0].name.clone(),
             found: count,
@@ -102,7 +107,7 @@ pub(crate) fn load(
     };
     if max_accelerations.len() != count {
         return Err(ArmError::AccelerationCount {
-            file: file.to_owned(),
+            at: Place::file(file),
             found: max_accelerations.len(),
             expected: count,
         });
@@ -128,8 +133,14 @@ pub(crate) fn load(
             continue;
         };
         let element = &robot.joints[joint];
-        let origin = reader.pose(&format!("joint '{}'", element.name), &element.origin)?;
-        let driven = driver(&robot, joint, file)?.and_then(|d| {
+        let called = format!("joint '{}'", element.name);
+        let origin = reader.pose(&called, &element.origin)?;
+        reader.length(
+            &format!("{called} <origin>"),
+            origin.translation.vector.norm(),
+            "",
+        )?;
+        let driven = driver(&robot, joint, &source)?.and_then(|d| {
             let index = chain_joints.iter().position(|&j| j == d.joint)?;
             Some((index, d))
         });
@@ -150,6 +161,7 @@ pub(crate) fn load(
             _ => {
                 if element.joint_type != JointType::Fixed {
                     warnings.push(ArmWarning::JointFrozen {
+                        at: source.at(&format!("joint '{}'", element.name)),
                         joint: element.name.clone(),
                     });
                 }
@@ -179,26 +191,12 @@ pub(crate) fn load(
         tip: robot.links[order[tip].0].name.clone(),
         warnings,
         robot,
+        source,
     })
 }
 
-fn check_names(robot: &Robot, file: &str) -> Result<(), ArmError> {
-    let names = |kind: &'static str, names: Vec<&String>| {
-        let mut seen = BTreeSet::new();
-        match names.into_iter().find(|n| !seen.insert(n.as_str())) {
-            None => Ok(()),
-            Some(name) => Err(ArmError::Duplicate {
-                file: file.to_owned(),
-                element: format!("{kind} '{name}'"),
-            }),
-        }
-    };
-    names("link", robot.links.iter().map(|l| &l.name).collect())?;
-    names("joint", robot.joints.iter().map(|j| &j.name).collect())
-}
-
 /// Links with the joint that carries each, parents first, siblings in file order.
-fn link_order(robot: &Robot, file: &str) -> Result<Vec<(usize, Option<usize>)>, ArmError> {
+fn link_order(robot: &Robot, source: &Source) -> Result<Vec<(usize, Option<usize>)>, ArmError> {
     let by_name: BTreeMap<&str, usize> = robot
         .links
         .iter()
@@ -211,7 +209,7 @@ fn link_order(robot: &Robot, file: &str) -> Result<Vec<(usize, Option<usize>)>, 
     for (j, joint) in robot.joints.iter().enumerate() {
         let named = |role, name: &str| {
             find(name).ok_or_else(|| ArmError::UnknownLink {
-                file: file.to_owned(),
+                at: source.at(&format!("joint '{}' <{role}>", joint.name)),
                 joint: joint.name.clone(),
                 role,
                 link: name.to_owned(),
@@ -221,7 +219,7 @@ fn link_order(robot: &Robot, file: &str) -> Result<Vec<(usize, Option<usize>)>, 
         let child = named("child", &joint.child.link)?;
         if let Some(first) = parent_joint[child] {
             return Err(ArmError::TwoParents {
-                file: file.to_owned(),
+                at: source.at(&format!("joint '{}'", joint.name)),
                 link: robot.links[child].name.clone(),
                 first: robot.joints[first].name.clone(),
                 second: joint.name.clone(),
@@ -235,7 +233,7 @@ fn link_order(robot: &Robot, file: &str) -> Result<Vec<(usize, Option<usize>)>, 
         .collect();
     if roots.len() > 1 {
         return Err(ArmError::ManyRoots {
-            file: file.to_owned(),
+            at: source.at(&format!("link '{}'", robot.links[roots[1]].name)),
             roots: roots.iter().map(|&l| robot.links[l].name.clone()).collect(),
         });
     }
@@ -254,13 +252,13 @@ fn link_order(robot: &Robot, file: &str) -> Result<Vec<(usize, Option<usize>)>, 
         }
         let link = reached.iter().position(|r| !r).unwrap_or(0);
         return Err(ArmError::Cycle {
-            file: file.to_owned(),
+            at: source.at(&format!("link '{}'", robot.links[link].name)),
             link: robot.links[link].name.clone(),
         });
     }
     if order.is_empty() {
         return Err(ArmError::Unreadable {
-            file: file.to_owned(),
+            at: source.at("<robot>"),
             reason: "no <link> in it".to_owned(),
         });
     }
@@ -289,13 +287,13 @@ fn choose_tip(
     best
 }
 
-fn check_kind(joint: &Joint, file: &str) -> Result<(), ArmError> {
+fn check_kind(joint: &Joint, source: &Source) -> Result<(), ArmError> {
     let what = match joint.joint_type {
         JointType::Revolute | JointType::Continuous | JointType::Fixed => return Ok(()),
         ref other => format!("type {other:?}").to_lowercase(),
     };
     Err(ArmError::UnsupportedJoint {
-        file: file.to_owned(),
+        at: source.at(&format!("joint '{}'", joint.name)),
         joint: joint.name.clone(),
         what,
     })
@@ -309,7 +307,7 @@ struct Driver {
 }
 
 /// Follows mimics to the joint that has none; none for fixed joints.
-fn driver(robot: &Robot, joint: usize, file: &str) -> Result<Option<Driver>, ArmError> {
+fn driver(robot: &Robot, joint: usize, source: &Source) -> Result<Option<Driver>, ArmError> {
     if robot.joints[joint].joint_type == JointType::Fixed {
         return Ok(None);
     }
@@ -324,7 +322,10 @@ fn driver(robot: &Robot, joint: usize, file: &str) -> Result<Option<Driver>, Arm
             return Ok(Some(driver));
         };
         let (multiplier, offset) = (mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0));
-        let reader = Reader { file, meshes: None };
+        let reader = Reader {
+            source,
+            meshes: None,
+        };
         reader.finite(
             &format!("joint '{}' <mimic>", at.name),
             &[multiplier, offset],
@@ -335,7 +336,7 @@ fn driver(robot: &Robot, joint: usize, file: &str) -> Result<Option<Driver>, Arm
                 .iter()
                 .position(|j| j.name == mimic.joint)
                 .ok_or_else(|| ArmError::UnknownMimic {
-                    file: file.to_owned(),
+                    at: source.at(&format!("joint '{}' <mimic>", at.name)),
                     joint: at.name.clone(),
                     master: mimic.joint.clone(),
                 })?,
@@ -344,7 +345,7 @@ fn driver(robot: &Robot, joint: usize, file: &str) -> Result<Option<Driver>, Arm
         };
     }
     Err(ArmError::MimicLoop {
-        file: file.to_owned(),
+        at: source.at(&format!("joint '{}' <mimic>", robot.joints[joint].name)),
         joint: robot.joints[joint].name.clone(),
     })
 }
@@ -352,7 +353,7 @@ fn driver(robot: &Robot, joint: usize, file: &str) -> Result<Option<Driver>, Arm
 fn axis(reader: &Reader, joint: &Joint) -> Result<Unit<Vector>, ArmError> {
     reader.finite(&format!("joint '{}' <axis>", joint.name), &joint.axis.xyz.0)?;
     Unit::try_new(Vector::from(joint.axis.xyz.0), 1e-9).ok_or_else(|| ArmError::ZeroAxis {
-        file: reader.file.to_owned(),
+        at: reader.source.at(&format!("joint '{}' <axis>", joint.name)),
         joint: joint.name.clone(),
     })
 }
@@ -362,10 +363,10 @@ fn limit(reader: &Reader, joint: &Joint, acceleration: f64) -> Result<JointLimit
         lower,
         upper,
         velocity,
-        ..
+        effort,
     } = joint.limit;
     let element = format!("joint '{}' <limit>", joint.name);
-    reader.finite(&element, &[lower, upper, velocity])?;
+    reader.finite(&element, &[lower, upper, velocity, effort])?;
     // Endless joints may turn once either way: postures stay countable.
     let (lower, upper) = match joint.joint_type {
         JointType::Continuous if lower == 0.0 && upper == 0.0 => (-TAU, TAU),
@@ -373,13 +374,21 @@ fn limit(reader: &Reader, joint: &Joint, acceleration: f64) -> Result<JointLimit
     };
     if lower == 0.0 && upper == 0.0 && velocity == 0.0 {
         return Err(ArmError::MissingLimit {
-            file: reader.file.to_owned(),
+            at: reader.source.at(&element),
             joint: joint.name.clone(),
         });
     }
     if lower >= upper {
         return Err(ArmError::LimitOrder {
-            file: reader.file.to_owned(),
+            at: reader.source.at(&element),
+            joint: joint.name.clone(),
+            lower,
+            upper,
+        });
+    }
+    if lower < -MOST_TURNED || upper > MOST_TURNED {
+        return Err(ArmError::LimitInDegrees {
+            at: reader.source.at(&element),
             joint: joint.name.clone(),
             lower,
             upper,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use depal_frames::{JointPositions, Pose, convert};
 
-use crate::{ArmError, arm::Inverse, urdf::Loaded};
+use crate::{ArmError, Place, arm::Inverse, urdf::Loaded};
 
 /// Flange poses of two computations may differ by this much, m.
 const FORWARD_TOLERANCE_M: f64 = 1e-9;
@@ -46,7 +46,7 @@ pub(crate) fn check_forward(
             let error_rad = ours.rotation.angle_to(&other.rotation);
             if !(error_m <= FORWARD_TOLERANCE_M && error_rad <= FORWARD_TOLERANCE_RAD) {
                 return Err(ArmError::ForwardMismatch {
-                    file: file.to_owned(),
+                    at: Place::file(file),
                     oracle,
                     error_m,
                     error_rad,

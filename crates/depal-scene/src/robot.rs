@@ -1,7 +1,10 @@
 //! The arm, its cabinet and the program that it runs.
 
+use std::collections::BTreeMap;
+
 use crate::choice::{choice, one_of};
 use crate::language::Language;
+use crate::packages::Packages;
 use crate::reader::{Checker, section};
 use crate::rules::{
     ANGLE_DEG, COORDINATE_MM, ListOf, Maybe, Numbers, OneOrMore, Text, above, number, table, whole,
@@ -80,6 +83,9 @@ section! {
     pub struct Robot {
         /// URDF file of the arm.
         urdf: TextFile, File, required;
+        /// Folders of the packages in mesh names of the URDF, `package://NAME/PATH`: `{ NAME = "FOLDER" }`.
+        /// Default none: they are looked for in the folders above the URDF.
+        packages: BTreeMap<String, String>, Packages, default(BTreeMap::new());
         /// Program files: one, or a list that is loaded in this order.
         /// Default none: the arm is run by the controller of `[plc]`.
         program: Vec<TextFile>, OneOrMore(File, 32), default(Vec::new());

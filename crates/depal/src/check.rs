@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use depal_arm::Arm;
+use depal_arm::{Arm, ArmWarning, Place};
 use depal_scene::{Language, Scene};
 use depal_vm::{Diagnostic, Program, Severity, SourceFile, sharing_conflicts};
 
 use crate::check_language::{self, is_channel, language_of};
 use crate::diagnostics::draw;
 use crate::failure::Failure;
+use crate::robot_files::mesh_files;
 use crate::run::explain;
 use crate::task_folder::{ControllerFiles, TaskFiles, extension, read_configuration, told};
 
@@ -73,7 +74,7 @@ pub fn check(files: &[PathBuf], json: bool, syntax_only: bool) -> Result<(), Fai
         let name = path.to_string_lossy().into_owned();
         let (code, verdict) = match extension(path).as_str() {
             "toml" => ("SCENE", check_scene(path).map_err(of_file)),
-            "urdf" => ("URDF", check_arm(path).map_err(of_file)),
+            "urdf" => ("URDF", check_arm(path)),
             "cfg" => ("CFG", check_configuration(path, &mut controller)),
             "pgf" => ("PGF", Ok("good".to_owned())),
             other => match language_of(path) {
@@ -233,13 +234,26 @@ fn check_scene(path: &Path) -> Result<String, Vec<String>> {
     ))
 }
 
-fn check_arm(path: &Path) -> Result<String, Vec<String>> {
+/// A bare arm: its file, and the meshes that it collides with.
+fn check_arm(path: &Path) -> Result<String, Vec<(u32, String)>> {
     let text = std::fs::read_to_string(path)
-        .map_err(|error| vec![format!("cannot read {}: {error}", path.display())])?;
-    let arm = Arm::from_urdf_uniform(&text, &path.to_string_lossy(), NOMINAL_ACCELERATION)
-        .map_err(|error| vec![error.to_string()])?;
-    for warning in arm.warnings() {
-        tell!("warning: {}: {warning}", path.display());
+        .map_err(|error| of_file(vec![format!("cannot read {}: {error}", path.display())]))?;
+    let files = mesh_files(path);
+    let meshes = |mesh: &str| files.bytes(mesh);
+    let name = path.to_string_lossy();
+    let in_line = |place: &Place, message: String| (place.line.unwrap_or(1) as u32, message);
+    let arm = Arm::from_urdf_uniform_with_meshes(&text, &name, NOMINAL_ACCELERATION, &meshes)
+        .map_err(|error| vec![in_line(error.place(), error.to_string())])?;
+    let (lost, others): (Vec<&ArmWarning>, Vec<&ArmWarning>) = arm
+        .warnings()
+        .iter()
+        .partition(|warning| matches!(warning, ArmWarning::MeshUnread { .. }));
+    for warning in others {
+        tell!("warning: {warning}");
+    }
+    if !lost.is_empty() {
+        let told = |warning: &&ArmWarning| in_line(warning.place(), warning.to_string());
+        return Err(lost.iter().map(told).collect());
     }
     Ok(format!(
         "good: {} with {} joints and {} links",

@@ -18,7 +18,7 @@ pub fn kinematics(path: &Path, samples: usize, seed: u64, as_json: bool) -> Resu
     for warning in arm.warnings() {
         // Meshes do not move a link.
         if !matches!(warning, ArmWarning::MeshSkipped { .. }) {
-            tell!("warning: {}: {warning}", path.display());
+            tell!("warning: {warning}");
         }
     }
     let mut random = RandomStreams::new(seed).stream("kinematics");

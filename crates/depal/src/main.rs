@@ -28,6 +28,7 @@ mod progress;
 mod render;
 mod replay;
 mod replay_setup;
+mod robot_files;
 mod run;
 mod sandbox;
 mod serve;

@@ -1,6 +1,5 @@
 //! `depal plan`: ways from posture to posture among boxes, from a JSON file to JSON or a table.
 
-mod meshes;
 mod question;
 
 use std::path::Path;

@@ -36,6 +36,50 @@ fn masses_inertias_and_mimics_that_cannot_be_are_named() {
     );
 }
 
+/// A body without mass has no inertia; a massless link between two joints has neither, and is no fault.
+#[test]
+fn zero_masses_without_inertia_are_massless_links() {
+    let mass = r#"<mass value="269"/>"#;
+    check(
+        mass,
+        r#"<mass value="0"/>"#,
+        "link 'base_link' <mass>: 0 found, expected a positive value",
+    );
+    let start = IRB6700.find(mass).unwrap();
+    let end = start + IRB6700[start..].find("</inertial>").unwrap();
+    let nothing = r#"<mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>"#;
+    let arm = load(&format!(
+        "{}{nothing}{}",
+        &IRB6700[..start],
+        &IRB6700[end..]
+    ));
+    assert_eq!((arm.warnings(), arm.links()[0].mass), (&[][..], 0.0));
+}
+
+/// The line of the very element, not of the first of its kind.
+#[test]
+fn the_line_is_that_of_the_fault() {
+    let from = IRB6700.find(r#"<link name="link_3">"#).unwrap();
+    let second = IRB6700[from..].find("<collision").unwrap();
+    let second = from + second + 1 + IRB6700[from + second + 1..].find("<collision").unwrap();
+    let size = second + IRB6700[second..].find("<geometry>").unwrap();
+    let end = size + IRB6700[size..].find("</geometry>").unwrap();
+    let text = format!(
+        "{}<geometry><sphere radius=\"-2\"/>{}",
+        &IRB6700[..size],
+        &IRB6700[end..]
+    );
+    let error = Arm::from_urdf_uniform(&text, FILE, 2.0).unwrap_err();
+    let line = IRB6700[..size].matches('\n').count() + 1;
+    assert_eq!(error.place().line, Some(line), "{error}");
+    assert_eq!(
+        error.to_string(),
+        format!(
+            "{FILE}:{line}: link 'link_3' <collision> 2 <sphere>: -2 found, expected a positive value"
+        )
+    );
+}
+
 #[test]
 fn meshes_are_left_out_with_a_warning_wherever_they_point() {
     for mesh in ["package://x/foot.stl", "../../secret.dae", "/etc/foot.obj"] {
@@ -83,7 +127,7 @@ fn an_endless_joint_turns_once_either_way_and_a_finger_stays() {
     let arm = load(&text);
     assert_eq!((arm.joint_count(), arm.tip()), (6, "tool0"));
     assert_eq!(arm.limits()[5].upper, std::f64::consts::TAU);
-    assert!(matches!(arm.warnings(), [ArmWarning::JointFrozen { joint }] if joint == "grip"));
+    assert!(matches!(arm.warnings(), [ArmWarning::JointFrozen { joint, .. }] if joint == "grip"));
 }
 
 /// Fixed links by the thousand are read in one go.

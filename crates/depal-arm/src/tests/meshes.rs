@@ -204,6 +204,51 @@ fn collision_meshes_of_a_description_become_hulls() {
     let lost = |_: &str| Err("not found".to_owned());
     let arm = Arm::from_urdf_uniform_with_meshes(&text, FILE, 2.0, &lost).unwrap();
     assert!(arm.warnings().iter().any(|w| {
-        w.to_string() == "link 'base_link' <collision>: mesh 'package://maker/foot.obj': not found; the link has no such body there"
+        w.to_string().split_once(": ").unwrap().1 == "link 'base_link' <collision>: mesh 'package://maker/foot.obj': not found; the link has no such body there"
     }));
+}
+
+/// A mesh drawn in millimetres without a scale would fill the hall: no such arm, but what to write instead.
+#[test]
+fn a_mesh_in_millimetres_is_refused_with_the_mend() {
+    let with = |scale: &str| {
+        let text = IRB6700.replace(
+            r#"<box size="0.86 0.72 0.06"/>"#,
+            &format!(r#"<mesh filename="foot.obj" {scale}/>"#),
+        );
+        let source = |_: &str| {
+            let mut text = String::new();
+            for corner in corners() {
+                let [x, y, z] = corner.map(|c| c * 1e3);
+                writeln!(text, "v {x} {y} {z}").unwrap();
+            }
+            Ok(text.into_bytes())
+        };
+        Arm::from_urdf_uniform_with_meshes(&text, FILE, 2.0, &source)
+    };
+    let error = with("").unwrap_err().to_string();
+    assert!(
+        error.contains(
+            "link 'base_link' <collision> <mesh> 'foot.obj': 458 m long, expected at most 20 m"
+        ) && error.contains("scale=\"0.001 0.001 0.001\""),
+        "{error}"
+    );
+    assert!(with(r#"scale="0.001 0.001 0.001""#).is_ok());
+}
+
+/// A link of which nothing could be drawn but a visual mesh is drawn as its solids.
+#[test]
+fn solids_are_drawn_where_the_visual_is_a_mesh_alone() {
+    let text = r#"<robot name="r"><link name="a"><visual><geometry><mesh filename="a.dae"/></geometry>
+        <material name="red"><color rgba="1 0 0 1"/></material></visual>
+        <collision><geometry><box size="1 1 1"/></geometry></collision></link><link name="b"/>
+        <joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+        <limit lower="-1" upper="1" velocity="1"/></joint></robot>"#;
+    let arm = Arm::from_urdf_uniform(text, FILE, 2.0).unwrap();
+    let drawn = &arm.links()[0].visual;
+    assert_eq!(drawn.len(), 1);
+    assert_eq!(
+        (&drawn[0].0, drawn[0].1),
+        (&arm.links()[0].collision[0], [255, 0, 0])
+    );
 }

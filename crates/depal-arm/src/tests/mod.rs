@@ -1,6 +1,7 @@
 mod dynamics;
 mod faults;
 mod meshes;
+mod numeric;
 mod own_arms;
 
 use std::fmt::Write;

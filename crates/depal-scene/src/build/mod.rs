@@ -1,5 +1,6 @@
 //! From a scene to a cell: millimetres, degrees and names become the specifications of the rooms.
 
+mod arm;
 mod calibration;
 mod gripper;
 mod plc;
@@ -49,6 +50,9 @@ pub enum BuildError {
     /// The arm's file is wrong.
     #[error("robot.urdf: {0}")]
     Arm(#[from] ArmError),
+    /// A mesh of the arm's file cannot be had, or not be read.
+    #[error("robot.urdf: {0}")]
+    Mesh(String),
     /// The robot program is wrong; the diagnostics say where.
     #[error("robot.program: {} error(s)", diagnostics.len())]
     Program {
@@ -101,16 +105,7 @@ impl Scene {
     /// See [`BuildError`].
     pub fn cell_spec(&self) -> Result<CellSpec, BuildError> {
         let robot = &self.robot;
-        let accelerations: Vec<f64> = robot
-            .acceleration_deg_s2
-            .iter()
-            .map(|a| a.to_radians())
-            .collect();
-        let arm = Arc::new(Arm::from_urdf(
-            &robot.urdf.text,
-            &robot.urdf.path,
-            &accelerations,
-        )?);
+        let arm = Arc::new(arm::arm(robot)?);
         if robot.start_joints_deg.len() != arm.joint_count() {
             return Err(BuildError::Mismatch {
                 key: "robot.start_joints_deg",

@@ -7,8 +7,8 @@ use depal_frames::{JointPositions, PlacedShape, Point, Pose, Rotation, Vector, n
 use depal_planner::TransferScene;
 use serde_json::Value;
 
-use super::meshes::Meshes;
 use crate::failure::Failure;
+use crate::robot_files::mesh_files;
 
 /// Acceleration limits that are left out: full speed in this time, s.
 const RAMP_S: f64 = 0.5;
@@ -248,13 +248,13 @@ fn robot_at(path: &Path, robot: &At) -> Result<Arm, Failure> {
     let name = urdf.to_string_lossy();
     let text = std::fs::read_to_string(&urdf)
         .map_err(|error| robot.fault(&format!("cannot read {name}: {error}")))?;
-    let meshes = Meshes::beside(&urdf);
+    let meshes = mesh_files(&urdf);
     let arm = Arm::from_urdf_uniform_with_meshes(&text, &name, 1.0, &|mesh| meshes.bytes(mesh))
         .map_err(|error| Failure::Input(error.to_string()))?;
     for warning in arm.warnings() {
         // What is only to look at does not matter here.
         if !matches!(warning, ArmWarning::MeshSkipped { .. }) {
-            tell!("warning: {name}: {warning}");
+            tell!("warning: {warning}");
         }
     }
     Ok(arm)
