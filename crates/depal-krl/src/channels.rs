@@ -2,7 +2,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use depal_eki::{ChannelConfig, ConfigDiagnostic, ConfigSeverity};
-use depal_vm::{Diagnostic, Loaded, SourceFile, Span};
+use depal_syntax::{Diagnostic, SourceFile, Span};
+use depal_vm::Loaded;
 
 use crate::builtins::{CHANNELS, Links, channels};
 

@@ -3,13 +3,13 @@
 //! [`load`] turns the files of one task into a [`Program`](depal_vm::Program) for the
 //! [`Machine`](depal_vm::Machine); [`check`] does the same without knowing the signals of a cabinet.
 //! The `.src` and the `.dat` of one name are one module. All errors of all files come at once, as
-//! [`Diagnostic`](depal_vm::Diagnostic)s with their places.
+//! [`Diagnostic`](depal_syntax::Diagnostic)s with their places.
 //!
 //! It must never know: the arm, the world, the vision server, files, sockets of the operating system.
 //! Programs reach the cabinet through [`System`](depal_vm::system::System) only.
 //!
 //! ```
-//! use depal_vm::SourceFile;
+//! use depal_syntax::SourceFile;
 //!
 //! let source = SourceFile::new("demo.src", "
 //! DEF demo( )
@@ -61,7 +61,8 @@ mod syntax;
 
 pub use builtins::{OWN_GLOBALS, built_in_names};
 pub use channels::with_channels;
-pub use depal_vm::{Loaded, decode};
+pub use depal_syntax::decode;
+pub use depal_vm::Loaded;
 pub use loading::{
     check, check_syntax, check_with_signals, load, load_with_any_signals, normal_form,
 };

@@ -1,6 +1,7 @@
 use std::collections::BTreeSet;
 
-use depal_vm::{Diagnostic, Loaded, SourceFile, in_order};
+use depal_syntax::{Diagnostic, SourceFile, in_order};
+use depal_vm::Loaded;
 
 use crate::builtins::{Table, predefined_data};
 use crate::compile::{Signals, Unit, compile};

@@ -1,82 +1,25 @@
 //! The sequence: what comes after what.
 
+mod moves;
+mod stage;
+
 use std::collections::VecDeque;
 use std::task::Poll;
 
-use depal_frames::{JointPositions, Pose};
 use depal_time::SimTime;
 use depal_vm::execution::Step;
-use depal_vm::system::{
-    Fault, LogKind, MoveId, MoveKind, MoveRequest, MoveSpeed, MoveTarget, MoveZone,
-    ProgramLocation, System,
-};
+use depal_vm::system::{Fault, LogKind, MoveId, MoveRequest, MoveZone, ProgramLocation, System};
 use depal_wire::s7::{DataBlock, Field};
 
 use crate::call::{Call, Registers};
 use crate::path::Path;
 use crate::{Fetch, PlcSettings, Source};
+use stage::Stage;
 
-/// Speed of reorientation at 100 percent, rad/s.
-const TURN_SPEED: f64 = 500.0 * std::f64::consts::PI / 180.0;
-/// Corner zones next to stops and elsewhere: TCP in metres, reorientation in radians.
-const NEAR_ZONE: MoveZone = MoveZone::Fly {
-    tcp: 0.010,
-    orientation: 1.5 * std::f64::consts::PI / 180.0,
-};
-const FREE_ZONE: MoveZone = MoveZone::Fly {
-    tcp: 0.050,
-    orientation: 7.5 * std::f64::consts::PI / 180.0,
-};
 /// Share of the acceleration with a carton on the gripper.
 const LOADED: f64 = 0.7;
 /// Percent of the way home and of the retreat.
 const SLOW_PERCENT: f64 = 50.0;
-
-/// What the sequence is about to do, or does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Stage {
-    AwaitVision,
-    CheckState,
-    SetBoxSize,
-    GoHome,
-    StartRun,
-    ChooseBranch(usize),
-    FetchPath,
-    FetchOutputs,
-    GoToPick,
-    Grip,
-    AwaitVacuum(SimTime),
-    GoToPlace,
-    Release,
-    AwaitRelease,
-    GiveUpPick,
-    GoToEnd,
-    End,
-}
-
-impl Stage {
-    fn name(self) -> (&'static str, u32) {
-        match self {
-            Self::AwaitVision => ("AwaitVision", 1),
-            Self::CheckState => ("CheckState", 2),
-            Self::SetBoxSize => ("SetBoxSize", 3),
-            Self::GoHome => ("GoHome", 4),
-            Self::StartRun => ("StartRun", 5),
-            Self::ChooseBranch(_) => ("ChooseBranch", 6),
-            Self::FetchPath => ("FetchPath", 7),
-            Self::FetchOutputs => ("FetchOutputs", 8),
-            Self::GoToPick => ("GoToPick", 9),
-            Self::Grip => ("Grip", 10),
-            Self::AwaitVacuum(_) => ("AwaitVacuum", 11),
-            Self::GoToPlace => ("GoToPlace", 12),
-            Self::Release => ("Release", 13),
-            Self::AwaitRelease => ("AwaitRelease", 14),
-            Self::GiveUpPick => ("GiveUpPick", 15),
-            Self::GoToEnd => ("GoToEnd", 16),
-            Self::End => ("End", 17),
-        }
-    }
-}
 
 /// The program's memory besides the block.
 #[derive(Debug, Clone)]
@@ -375,80 +318,6 @@ impl Sequence {
         match self.settings.source {
             Source::Viz => 0,
             Source::Vision => self.settings.project,
-        }
-    }
-
-    /// Queues waypoints of the path.
-    fn follow(
-        &mut self,
-        places: impl Iterator<Item = usize>,
-        acceleration: f64,
-        system: &dyn System,
-    ) {
-        for place in places {
-            let point = &self.path.points[place];
-            let zone = if self.path.is_stop(place) {
-                MoveZone::Fine
-            } else if self.path.is_near_stop(place) {
-                NEAR_ZONE
-            } else {
-                FREE_ZONE
-            };
-            let (kind, target) = if point.is_linear {
-                let base_from_tcp = self.tcp(&point.joints, system);
-                (MoveKind::Linear, MoveTarget::Tcp(base_from_tcp))
-            } else {
-                (MoveKind::Joint, MoveTarget::Joints(point.joints))
-            };
-            let request = self.request(kind, target, point.percent, acceleration, zone);
-            self.moves.push_back(request);
-        }
-    }
-
-    fn go_home(&mut self, percent: f64, zone: MoveZone) {
-        let target = MoveTarget::Joints(self.settings.home);
-        let request = self.request(MoveKind::Joint, target, percent, 1.0, zone);
-        self.moves.push_back(request);
-    }
-
-    /// Straight up from the place, then home without stopping there.
-    fn retreat(&mut self, system: &dyn System) {
-        if let Some(place) = self.path.points.last() {
-            let mut base_from_tcp = self.tcp(&place.joints, system);
-            base_from_tcp.translation.z += self.settings.retreat;
-            let target = MoveTarget::Tcp(base_from_tcp);
-            let request = self.request(MoveKind::Linear, target, SLOW_PERCENT, 1.0, NEAR_ZONE);
-            self.moves.push_back(request);
-        }
-        self.go_home(100.0, FREE_ZONE);
-    }
-
-    fn tcp(&self, joints: &JointPositions, system: &dyn System) -> Pose {
-        system.forward(joints) * self.settings.flange_from_tcp
-    }
-
-    fn request(
-        &self,
-        kind: MoveKind,
-        target: MoveTarget,
-        percent: f64,
-        acceleration: f64,
-        zone: MoveZone,
-    ) -> MoveRequest {
-        let share = percent / 100.0;
-        MoveRequest {
-            kind,
-            target,
-            speed: MoveSpeed {
-                tcp: self.settings.tcp_speed * share,
-                orientation: TURN_SPEED * share,
-                joint_fraction: 1.0,
-                acceleration_fraction: acceleration,
-            },
-            zone,
-            flange_from_tcp: self.settings.flange_from_tcp,
-            configuration: None,
-            location: self.location(),
         }
     }
 

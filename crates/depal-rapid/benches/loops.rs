@@ -7,9 +7,10 @@
 use std::process::Command;
 use std::time::Instant;
 
+use depal_syntax::SourceFile;
 use depal_vm::execution::{RobotTask, Step};
 use depal_vm::testing::EmptyCabinet;
-use depal_vm::{Machine, SourceFile, Value};
+use depal_vm::{Machine, Value};
 
 /// Each case: name, module data and routines, statements of main with the result in `s`, and the same in Python.
 const CASES: [(&str, &str, &str, &str); 6] = [

@@ -2,13 +2,13 @@
 //!
 //! [`load`] turns the modules of one task into a [`Program`](depal_vm::Program) for the
 //! [`Machine`](depal_vm::Machine); [`check`] does the same without knowing the signals of a cabinet.
-//! All errors of all files come at once, as [`Diagnostic`](depal_vm::Diagnostic)s with their places.
+//! All errors of all files come at once, as [`Diagnostic`](depal_syntax::Diagnostic)s with their places.
 //!
 //! It must never know: the arm, the world, the vision server, files, sockets of the operating system.
 //! Programs reach the cabinet through [`System`](depal_vm::system::System) only.
 //!
 //! ```
-//! use depal_vm::SourceFile;
+//! use depal_syntax::SourceFile;
 //!
 //! let source = SourceFile::new("demo.mod", r#"
 //! MODULE demo
@@ -55,7 +55,8 @@ mod syntax;
 pub use builtins::built_in_names;
 pub use catalogue::{Page, explain, pages};
 pub use compile::types::SignalKind;
-pub use depal_vm::{Loaded, decode};
+pub use depal_syntax::decode;
+pub use depal_vm::Loaded;
 pub use loading::{
     SignalDefinition, TaskEntry, TaskEvent, check, check_syntax, check_with_signals, load,
     load_task, load_with_auto_signals, normal_form, program_list,

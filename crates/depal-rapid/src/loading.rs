@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
-use depal_vm::{Diagnostic, Loaded, Severity, SourceFile, in_order};
+use depal_syntax::{Diagnostic, Severity, SourceFile, in_order};
+use depal_vm::Loaded;
 
 use crate::SignalKind;
 use crate::builtins::Table;

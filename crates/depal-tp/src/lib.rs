@@ -2,7 +2,7 @@
 //!
 //! [`load`] turns the listings of a task into a [`Program`](depal_vm::Program) for the
 //! [`Machine`](depal_vm::Machine), or for [`Tasks`], which run what RUN starts as well; [`check`] does the same without an entry.
-//! All errors of all files come at once, as [`Diagnostic`](depal_vm::Diagnostic)s with their places.
+//! All errors of all files come at once, as [`Diagnostic`](depal_syntax::Diagnostic)s with their places.
 //! Every program of a listing is a routine of the same name; a line in a message is the number in the listing.
 //! After a run, [`written_registers`] tells the numeric registers that the program wrote.
 //!
@@ -10,7 +10,7 @@
 //! Programs reach the cabinet through [`System`](depal_vm::system::System) only.
 //!
 //! ```
-//! use depal_vm::SourceFile;
+//! use depal_syntax::SourceFile;
 //!
 //! let source = SourceFile::new("MAIN.LS", "/PROG  MAIN\n/MN\n   1:  R[1]=1+2 ;\n/POS\n/END\n");
 //! let loaded = depal_tp::load(&[source], &depal_tp::Options::default(), "MAIN");
@@ -48,7 +48,8 @@ mod syntax;
 mod tasks;
 
 pub use builtins::built_in_names;
-pub use depal_vm::{Loaded, decode};
+pub use depal_syntax::decode;
+pub use depal_vm::Loaded;
 pub use loading::{check, check_syntax, load, normal_form};
 pub use options::{ByteOrder, GroupOutput, Options, PresetError, parse_preset};
 pub use registers::{decimal, written_registers};

@@ -1,4 +1,5 @@
-use depal_vm::{Diagnostic, Loaded, SourceFile, in_order};
+use depal_syntax::{Diagnostic, SourceFile, in_order};
+use depal_vm::Loaded;
 
 use crate::Options;
 use crate::compile::compile;

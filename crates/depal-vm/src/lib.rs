@@ -1,4 +1,4 @@
-//! Spans, diagnostics, values and one stackless virtual machine for robot languages.
+//! Values and one stackless virtual machine for robot languages, and what a program may ask of its cabinet.
 //!
 //! A language crate turns text into a [`Program`]: routines of flat [`Op`]s, initial values, a table of
 //! [`Builtin`]s and [`LanguageRules`]. A [`Machine`] runs it one statement at a time against a
@@ -40,6 +40,9 @@
 //! Several tasks are several machines. Data that they share by name are listed in [`Program::shared`]; the cabinet
 //! carries changes from one to the other with [`RobotTask`](execution::RobotTask).
 //!
+//! [`Loaded`] is what a language makes of its texts: a program, and messages in the words of `depal-syntax`, which
+//! have their names here as well for those who only load. Cabinets for tests are behind the feature `testing`.
+//!
 //! Limitations: a statement is the smallest step.
 
 mod builtin;
@@ -50,6 +53,7 @@ mod loaded;
 mod machine;
 mod memory;
 mod operators;
+mod path_length;
 mod plain;
 mod program;
 mod report;
@@ -61,10 +65,7 @@ pub mod testing;
 mod value;
 
 pub use builtin::{Builtin, BuiltinFn, CallContext, Outcome};
-pub use depal_syntax::{
-    Diagnostic, Label, LineColumn, LineStarts, Severity, SourceFile, Span, decode, in_order,
-    nearest_name,
-};
+pub use depal_syntax::{Diagnostic, Severity, SourceFile, Span};
 pub use error::{MachineFault, RaisedError};
 pub use host_state::HostState;
 pub use loaded::Loaded;

@@ -9,6 +9,7 @@ use std::task::Poll;
 use depal_frames::{JointPositions, Point, Pose};
 use depal_time::{SimDuration, SimTime};
 
+pub use crate::path_length::path_length;
 pub use crate::signal_check::{Relation, SignalCheck};
 
 /// Where in the user's program something was asked for.

@@ -28,6 +28,7 @@
 //! Limitations: a conveyor place follows its pick without moves between, because the planner finds that whole way;
 //! a step's index and parameters are numbers only.
 
+mod ask;
 mod check;
 mod engine;
 mod parameter;
@@ -35,8 +36,9 @@ mod pattern;
 mod project;
 mod text;
 
+pub use ask::{Ask, Failure, IndexError, Move, PickRequest, Piece, Target};
 pub use check::WorkflowError;
-pub use engine::{Ask, Engine, Failure, IndexError, Move, PickRequest, Piece, Target};
+pub use engine::Engine;
 pub use parameter::{Parameter, ParameterError, Writable};
 pub use pattern::{CartonPattern, Grid, Layers};
 pub use project::{

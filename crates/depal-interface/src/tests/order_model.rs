@@ -1,6 +1,8 @@
 //! A model of the order rules, written apart from the server: it foretells the status of every command
 //! of random sequences. Runs end when the sequence says so; a command that would wait is followed by that end.
 
+use proptest::prelude::*;
+
 use super::*;
 
 /// What the model remembers. Points and waypoints are counted only.

@@ -3,11 +3,13 @@
 use std::task::Poll;
 
 use depal_frames::{JointPositions, Point, Pose};
-use depal_vm::system::{MoveId, MoveKind, MoveRequest, MoveSpeed, MoveTarget, MoveZone, System};
+use depal_vm::system::{
+    MoveId, MoveKind, MoveRequest, MoveSpeed, MoveTarget, MoveZone, System, path_length,
+};
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 
 use super::frames::*;
-use super::path::{arc_end, length, path_events};
+use super::path::{arc_end, path_events};
 use super::state::*;
 use super::table::{Operator, Ran};
 
@@ -288,7 +290,7 @@ fn request(
             arc(context, &start, &via, &end, angle)?
         }
     };
-    let way = length(system, &target, &flange_from_tcp);
+    let way = path_length(system, &target, &flange_from_tcp);
     Ok(MoveRequest {
         kind: match form.shape {
             PathShape::Joint => MoveKind::Joint,

@@ -2,30 +2,14 @@
 
 use std::task::Poll;
 
+use depal_frames::Vector;
 use depal_frames::nalgebra::{Rotation3, Unit};
-use depal_frames::{Pose, Vector};
 use depal_time::SimDuration;
-use depal_vm::system::{MoveId, MoveTarget, PathAction, PathEvent, PathPlace, System};
+use depal_vm::system::{MoveId, PathAction, PathEvent, PathPlace, System};
 use depal_vm::{CallContext, Interrupt, Outcome, RaisedError, Trigger, Value};
 
 use super::state::*;
 use super::table::Ran;
-
-/// Length of the TCP path from where the queue ends, metres; for a joint move that of the line.
-pub(super) fn length(system: &dyn System, target: &MoveTarget, flange_from_tcp: &Pose) -> f64 {
-    let begin = system.forward(&system.planned_joints()) * flange_from_tcp;
-    let begin = begin.translation.vector;
-    match target {
-        MoveTarget::Joints(joints) => {
-            let end = system.forward(joints) * flange_from_tcp;
-            (end.translation.vector - begin).norm()
-        }
-        MoveTarget::Tcp(to) => (to.translation.vector - begin).norm(),
-        MoveTarget::Arc { through, to } => {
-            (through.coords - begin).norm() + (to.translation.vector - through.coords).norm()
-        }
-    }
-}
 
 /// Half way and end of an arc through three points that is so many radians long; negative turns the other way.
 /// `None` if the points lie on a line.

@@ -182,7 +182,7 @@ fn resolve(compiler: &mut Compiler<'_>, kind: &str) -> Type {
             },
             None => compiler.resolve_type(&Name {
                 text: kind.to_owned(),
-                span: depal_vm::Span::new(u32::MAX, 0, 0),
+                span: depal_syntax::Span::new(u32::MAX, 0, 0),
             }),
         },
     }

@@ -1,4 +1,5 @@
-use depal_vm::{Diagnostic, Op, Span, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, Value};
 
 use super::scope::Compiler;
 use super::types::*;

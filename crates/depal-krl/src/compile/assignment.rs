@@ -1,4 +1,5 @@
-use depal_vm::{Diagnostic, Op};
+use depal_syntax::Diagnostic;
+use depal_vm::Op;
 
 use super::scope::*;
 use super::types::Type;

@@ -1,6 +1,7 @@
 use std::rc::Rc;
 
-use depal_vm::{Diagnostic, Op, Span, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, Value};
 
 use super::scope::*;
 use super::types::{Type, same};

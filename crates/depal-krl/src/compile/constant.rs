@@ -1,6 +1,7 @@
 //! Values that are known when the program is made: initial values and sizes.
 
-use depal_vm::{Diagnostic, Value};
+use depal_syntax::Diagnostic;
+use depal_vm::Value;
 
 use super::scope::*;
 use super::types::*;
@@ -140,7 +141,7 @@ impl Compiler<'_> {
         );
     }
 
-    pub(super) fn too_large(&mut self, span: depal_vm::Span, value: i64) {
+    pub(super) fn too_large(&mut self, span: depal_syntax::Span, value: i64) {
         self.error(
             Diagnostic::error(
                 "KRL0006",

@@ -1,4 +1,5 @@
-use depal_vm::{Diagnostic, Reference, Root, Span, Value, nearest_name};
+use depal_syntax::{Diagnostic, Span, nearest_name};
+use depal_vm::{Reference, Root, Value};
 
 use super::program::Unit;
 use super::scope::*;

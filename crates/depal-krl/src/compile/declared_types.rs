@@ -1,4 +1,4 @@
-use depal_vm::{Diagnostic, Span};
+use depal_syntax::{Diagnostic, Span};
 
 use super::data::is_configuration;
 use super::program::Unit;

@@ -1,4 +1,5 @@
-use depal_vm::{Diagnostic, Op, Span, UnaryOp, Value, nearest_name};
+use depal_syntax::{Diagnostic, Span, nearest_name};
+use depal_vm::{Op, UnaryOp, Value};
 
 use super::scope::*;
 use super::types::*;

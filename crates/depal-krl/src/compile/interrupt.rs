@@ -1,4 +1,5 @@
-use depal_vm::{Diagnostic, Op, Routine, Span, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, Routine, Value};
 
 use super::scope::*;
 use super::types::Type;

@@ -1,4 +1,5 @@
-use depal_vm::{BinaryOp, MachineFault, Op, Span, Value};
+use depal_syntax::Span;
+use depal_vm::{BinaryOp, MachineFault, Op, Value};
 
 use super::scope::Compiler;
 use super::types::Type;

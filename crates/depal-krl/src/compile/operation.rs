@@ -1,4 +1,5 @@
-use depal_vm::{BinaryOp, Diagnostic, Op, Span, UnaryOp, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{BinaryOp, Op, UnaryOp, Value};
 
 use super::scope::Compiler;
 use super::types::*;

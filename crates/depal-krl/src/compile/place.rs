@@ -1,4 +1,5 @@
-use depal_vm::{Diagnostic, Op, Span, UnaryOp};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, UnaryOp};
 
 use super::scope::*;
 use super::types::Type;

@@ -1,8 +1,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use depal_vm::{
-    Diagnostic, LanguageRules, LineStarts, Op, Program, SharedDatum, SourceFile, Span, nearest_name,
-};
+use depal_syntax::{Diagnostic, LineStarts, SourceFile, Span, nearest_name};
+use depal_vm::{LanguageRules, Op, Program, SharedDatum};
 
 use super::scope::*;
 use super::system::LIVE;

@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use depal_vm::{Diagnostic, Op, Value};
+use depal_syntax::Diagnostic;
+use depal_vm::{Op, Value};
 
 use super::program::Unit;
 use super::scope::*;

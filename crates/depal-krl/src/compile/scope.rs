@@ -1,7 +1,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use depal_vm::{Diagnostic, LineStarts, Op, Program, Span, Value, nearest_name};
+use depal_syntax::{Diagnostic, LineStarts, Span, nearest_name};
+use depal_vm::{Op, Program, Value};
 
 use super::system::Live;
 use super::types::{Type, Types};
@@ -198,13 +199,15 @@ impl Compiler<'_> {
         self.program.globals.len() as u32 - 1
     }
 
+    /// What is visible, the nearest first.
+    fn scopes(&self) -> impl Iterator<Item = &Scope> {
+        let module = self.module_scopes.get(self.module);
+        let inner = std::iter::once(&self.body.scope).chain(module);
+        inner.chain([&self.global, &self.predefined])
+    }
+
     pub(crate) fn lookup(&self, key: &str) -> Option<&Symbol> {
-        self.body
-            .scope
-            .get(key)
-            .or_else(|| self.module_scopes.get(self.module)?.get(key))
-            .or_else(|| self.global.get(key))
-            .or_else(|| self.predefined.get(key))
+        self.scopes().find_map(|scope| scope.get(key))
     }
 
     pub(crate) fn type_name(&self, kind: &Type) -> String {
@@ -221,19 +224,9 @@ impl Compiler<'_> {
 
     /// The visible name nearest to `wanted`, as it is spelled where it is declared.
     pub(crate) fn nearest(&self, wanted: &str, filter: impl Fn(&Symbol) -> bool) -> Option<String> {
-        let scopes = [
-            Some(&self.body.scope),
-            self.module_scopes.get(self.module),
-            Some(&self.global),
-            Some(&self.predefined),
-        ];
-        let symbols = scopes
-            .into_iter()
-            .flatten()
-            .flat_map(|scope| scope.values())
-            .filter(|symbol| filter(symbol))
-            .map(|symbol| symbol.name().to_owned());
-        nearest_name(wanted, symbols)
+        let symbols = self.scopes().flat_map(BTreeMap::values);
+        let symbols = symbols.filter(|symbol| filter(symbol));
+        nearest_name(wanted, symbols.map(|symbol| symbol.name().to_owned()))
     }
 
     /// Declares a name in a scope that has each only once.

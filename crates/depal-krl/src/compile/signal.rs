@@ -1,6 +1,7 @@
 //! Signals and other system variables that are asked from the cabinet.
 
-use depal_vm::{Diagnostic, Op, Span, UnaryOp, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, UnaryOp, Value};
 
 use super::scope::*;
 use super::system::Live;

@@ -1,4 +1,5 @@
-use depal_vm::{BinaryOp, Diagnostic, Op, Span, Value, nearest_name};
+use depal_syntax::{Diagnostic, Span, nearest_name};
+use depal_vm::{BinaryOp, Op, Value};
 
 use super::scope::*;
 use super::types::Type;

@@ -132,9 +132,12 @@ impl<'a> Parser<'a> {
             return None;
         }
         if let ExpressionKind::Binary(Operator::Equal, left, right) = target.kind {
-            let diagnostic =
-                depal_vm::Diagnostic::error("KRL0016", target.span, "this comparison stands alone")
-                    .help("an assignment is written with one =");
+            let diagnostic = depal_syntax::Diagnostic::error(
+                "KRL0016",
+                target.span,
+                "this comparison stands alone",
+            )
+            .help("an assignment is written with one =");
             self.report_with(diagnostic);
             return Some(StatementKind::Assign {
                 target: *left,
@@ -147,7 +150,7 @@ impl<'a> Parser<'a> {
                 ExpressionKind::Name(name) => Some(name.clone()),
                 _ => None,
             };
-            let mut diagnostic = depal_vm::Diagnostic::error(
+            let mut diagnostic = depal_syntax::Diagnostic::error(
                 "KRL0010",
                 self.span(),
                 format!("expected `=` or a call, found {found}"),
@@ -228,7 +231,7 @@ impl<'a> Parser<'a> {
         let subject = self.expression();
         let before = self.block(PARTS);
         if let Some(first) = before.first() {
-            let diagnostic = depal_vm::Diagnostic::error(
+            let diagnostic = depal_syntax::Diagnostic::error(
                 "KRL0013",
                 first.span,
                 "a statement between SWITCH and its first CASE is never reached",

@@ -1,7 +1,7 @@
 //! What a program is told about its mistakes.
 
 use depal_krl::{check, check_syntax, load};
-use depal_vm::Severity;
+use depal_syntax::Severity;
 
 use crate::fake_system::*;
 

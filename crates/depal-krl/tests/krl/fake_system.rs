@@ -6,12 +6,13 @@ use std::task::Poll;
 
 use depal_frames::{EulerConvention, JointPositions, Pose};
 use depal_krl::load;
+use depal_syntax::SourceFile;
 use depal_time::{SimDuration, SimTime};
 use depal_vm::execution::Step;
 use depal_vm::system::*;
 pub use depal_vm::testing::run;
 use depal_vm::testing::{Timed, program};
-use depal_vm::{Machine, SourceFile, Value};
+use depal_vm::{Machine, Value};
 
 /// Where the times of moves lie that are put aside.
 const AWAY: SimTime = SimTime::from_nanos(1_000_000_000_000_000);

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use depal_krl::{check, load_with_any_signals, normal_form};
+use depal_syntax::SourceFile;
 use depal_time::{SimDuration, SimTime, TICK};
+use depal_vm::Machine;
 use depal_vm::execution::{RobotTask, Step};
-use depal_vm::{Machine, SourceFile};
 use proptest::prelude::*;
 
 use crate::fake_system::FakeSystem;

@@ -3,4 +3,5 @@
 mod fake_plc;
 mod faults;
 mod interop;
+mod recovery;
 mod vision;

@@ -191,16 +191,11 @@ fn button(
 
 fn message_box(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let asked = Asked::new(context, "UIMessageBox", 9)?;
-    answered(
-        context,
-        system,
-        asked,
-        Value::Num(0.0),
-        |context, answer| {
-            let button = button(context, 5, "UIMessageBox", answer)?;
-            Ok(Value::Num(button as f32))
-        },
-    )
+    let none = Value::Num(0.0);
+    answered(context, system, asked, none, |context, answer| {
+        let button = button(context, 5, "UIMessageBox", answer)?;
+        Ok(Value::Num(button as f32))
+    })
 }
 
 /// The answer is the number of an item, or its text.
@@ -225,34 +220,29 @@ fn list_view(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         text: format!("{header}: {}", items.join(", ")),
         max_time: 7,
     };
-    answered(
-        context,
-        system,
-        asked,
-        Value::Num(0.0),
-        |context, answer| {
-            let answer = answer.trim();
-            let chosen = match answer.parse::<usize>() {
-                Ok(number) => number,
-                Err(_) if answer.is_empty() => 0,
-                Err(_) => items
-                    .iter()
-                    .position(|item| item.eq_ignore_ascii_case(answer))
-                    .map_or(usize::MAX, |index| index + 1),
-            };
-            if chosen > items.len() {
-                return Err(context.argument_error(format!(
+    let none = Value::Num(0.0);
+    answered(context, system, asked, none, |context, answer| {
+        let answer = answer.trim();
+        let chosen = match answer.parse::<usize>() {
+            Ok(number) => number,
+            Err(_) if answer.is_empty() => 0,
+            Err(_) => items
+                .iter()
+                .position(|item| item.eq_ignore_ascii_case(answer))
+                .map_or(usize::MAX, |index| index + 1),
+        };
+        if chosen > items.len() {
+            return Err(context.argument_error(format!(
                 "the answer to UIListView is {answer:?}, expected 1 to {} or the text of an item",
                 items.len()
             )));
-            }
-            if context.is_given(0) {
-                // The button OK.
-                context.assign_number(0, 1.0)?;
-            }
-            Ok(Value::Num(chosen as f32))
-        },
-    )
+        }
+        if context.is_given(0) {
+            // The button OK.
+            context.assign_number(0, 1.0)?;
+        }
+        Ok(Value::Num(chosen as f32))
+    })
 }
 
 fn text_entry(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
@@ -269,8 +259,7 @@ fn within(
     context: &CallContext<'_>,
     instruction: &str,
     answer: &str,
-    least: usize,
-    most: usize,
+    [least, most]: [usize; 2],
 ) -> Result<f64, RaisedError> {
     let least = context.optional_number(least)?.unwrap_or(f64::NEG_INFINITY);
     let most = context.optional_number(most)?.unwrap_or(f64::INFINITY);
@@ -282,32 +271,27 @@ fn within(
     }
 }
 
+/// Asks for a number within the limits of two arguments and makes a value of it.
+fn number(
+    context: &mut CallContext<'_>,
+    system: &mut dyn System,
+    instruction: &'static str,
+    limits: [usize; 2],
+    value: fn(f64) -> Value,
+) -> Ran {
+    let asked = Asked::new(context, instruction, 9)?;
+    answered(context, system, asked, value(0.0), |context, answer| {
+        Ok(value(within(context, instruction, answer, limits)?))
+    })
+}
+
 fn number_entry(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let asked = Asked::new(context, "UIDnumEntry", 9)?;
-    answered(
-        context,
-        system,
-        asked,
-        Value::Dnum(0.0),
-        |context, answer| {
-            let number = within(context, "UIDnumEntry", answer, 6, 7)?;
-            Ok(Value::Dnum(number))
-        },
-    )
+    number(context, system, "UIDnumEntry", [6, 7], Value::Dnum)
 }
 
 fn number_tune(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let asked = Asked::new(context, "UINumTune", 9)?;
-    answered(
-        context,
-        system,
-        asked,
-        Value::Num(0.0),
-        |context, answer| {
-            let number = within(context, "UINumTune", answer, 7, 8)?;
-            Ok(Value::Num(number as f32))
-        },
-    )
+    let single = |number| Value::Num(number as f32);
+    number(context, system, "UINumTune", [7, 8], single)
 }
 
 fn read_dnum(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
@@ -317,7 +301,7 @@ fn read_dnum(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         max_time: 2,
     };
     answered(context, system, asked, Value::Absent, |context, answer| {
-        let number = within(context, "TPReadDnum", answer, usize::MAX, usize::MAX)?;
+        let number = within(context, "TPReadDnum", answer, [usize::MAX; 2])?;
         context.assign_number(0, number)?;
         Ok(Value::Absent)
     })

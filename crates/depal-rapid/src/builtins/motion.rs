@@ -5,7 +5,7 @@ use std::task::Poll;
 use depal_frames::{Point, Pose};
 use depal_vm::system::{
     MoveId, MoveKind, MoveRequest, MoveSpeed, MoveTarget, MoveZone, PathAction, PathEvent,
-    PathPlace, System,
+    PathPlace, System, path_length,
 };
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 
@@ -158,23 +158,6 @@ pub(super) fn cartesian(
     asked(context, system, kind, target, configuration, places)
 }
 
-/// Length of the TCP path of a move from where the queue ends, metres.
-fn way(system: &dyn System, target: &MoveTarget, flange_from_tcp: &Pose) -> f64 {
-    let begin = system.forward(&system.planned_joints()) * flange_from_tcp;
-    let begin = begin.translation.vector;
-    match target {
-        MoveTarget::Joints(joints) => {
-            let end = system.forward(joints) * flange_from_tcp;
-            (end.translation.vector - begin).norm()
-        }
-        MoveTarget::Tcp(to) => (to.translation.vector - begin).norm(),
-        // Both chords: a little less than the arc.
-        MoveTarget::Arc { through, to } => {
-            (through.coords - begin).norm() + (to.translation.vector - through.coords).norm()
-        }
-    }
-}
-
 fn asked(
     context: &CallContext<'_>,
     system: &dyn System,
@@ -196,7 +179,7 @@ fn asked(
             return Err(context.argument_error(format!("\\T is {seconds} s, expected more")));
         }
         // A time instead of a speed: the way in that time, the turn as fast as it has to be.
-        tcp_mm_s = (way(system, &target, &flange_from_tcp) * 1e3 / seconds).max(0.1);
+        tcp_mm_s = (path_length(system, &target, &flange_from_tcp) * 1e3 / seconds).max(0.1);
         orientation = std::f64::consts::TAU;
     }
     if tcp_mm_s <= 0.0 || orientation <= 0.0 {

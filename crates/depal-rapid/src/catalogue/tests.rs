@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use depal_vm::SourceFile;
+use depal_syntax::SourceFile;
 
 use super::{explain, pages};
 use crate::{SignalDefinition, SignalKind, check, load};

@@ -1,6 +1,7 @@
 use std::rc::Rc;
 
-use depal_vm::{Diagnostic, Op, Span, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, Value};
 
 use super::scope::{Access, Compiler, ParameterType, RoutineSymbol, Signature, Slot, Symbol};
 use super::types::Type;
@@ -100,10 +101,11 @@ impl Compiler<'_> {
                             given.span,
                             format!("{} has no argument {} here", name.text, given.text),
                         );
-                        diagnostic.help = Some(match depal_vm::nearest_name(&given.text, names) {
-                            Some(near) => format!("did you mean \\{near}?"),
-                            None => usage(signature),
-                        });
+                        diagnostic.help =
+                            Some(match depal_syntax::nearest_name(&given.text, names) {
+                                Some(near) => format!("did you mean \\{near}?"),
+                                None => usage(signature),
+                            });
                         self.error(diagnostic);
                         continue;
                     };

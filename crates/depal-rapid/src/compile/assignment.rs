@@ -1,4 +1,5 @@
-use depal_vm::{Diagnostic, Op, Span};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::Op;
 
 use super::place::is_place;
 use super::scope::{Compiler, Slot, Symbol};

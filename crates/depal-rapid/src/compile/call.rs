@@ -1,4 +1,5 @@
-use depal_vm::{Diagnostic, Op, Span, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, Value};
 
 use super::place::is_place;
 use super::scope::{Access, Callee, Compiler, RoutineSymbol, Slot, Symbol};

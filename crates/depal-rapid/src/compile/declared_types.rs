@@ -1,6 +1,6 @@
 use std::rc::Rc;
 
-use depal_vm::{Diagnostic, Span, nearest_name};
+use depal_syntax::{Diagnostic, Span, nearest_name};
 
 use super::scope::*;
 use super::types::{REFUSED_TYPES, RecordType, Type, simple_type};

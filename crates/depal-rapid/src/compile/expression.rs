@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
-use depal_vm::{Diagnostic, Op, Span, UnaryOp, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, UnaryOp, Value};
 
 use super::place::is_place;
 use super::scope::{Compiler, Slot, Symbol};

@@ -1,7 +1,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use depal_vm::{Diagnostic, NamedDatum, Op, Routine as Lowered, SharedDatum, Value};
+use depal_syntax::Diagnostic;
+use depal_vm::{NamedDatum, Op, Routine as Lowered, SharedDatum, Value};
 
 use super::scope::*;
 use super::types::Type;

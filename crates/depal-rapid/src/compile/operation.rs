@@ -1,4 +1,5 @@
-use depal_vm::{BinaryOp, Diagnostic, Op, Span};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{BinaryOp, Op};
 
 use super::scope::Compiler;
 use super::types::Type;

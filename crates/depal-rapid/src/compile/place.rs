@@ -1,4 +1,5 @@
-use depal_vm::{Diagnostic, Op, Span};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::Op;
 
 use super::scope::{Compiler, DataSymbol, Slot, Symbol};
 use super::types::Type;

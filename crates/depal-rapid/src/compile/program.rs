@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
-use depal_vm::{Diagnostic, LanguageRules, LineStarts, Program, SourceFile};
+use depal_syntax::{Diagnostic, LineStarts, SourceFile};
+use depal_vm::{LanguageRules, Program};
 
 use super::scope::*;
 use super::types::SignalKind;

@@ -1,9 +1,9 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use depal_syntax::{Diagnostic, Span, nearest_name};
 use depal_vm::{
-    CallParameter, Diagnostic, ErrorHandler, ErrorNumber, EventRoutines, Op, Routine as Lowered,
-    Span, Value, nearest_name,
+    CallParameter, ErrorHandler, ErrorNumber, EventRoutines, Op, Routine as Lowered, Value,
 };
 
 use super::module_data::constant_of;

@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use depal_vm::{Diagnostic, LineStarts, Op, Program, Span, Value, nearest_name};
+use depal_syntax::{Diagnostic, LineStarts, Span, nearest_name};
+use depal_vm::{Op, Program, Value};
 
 use super::types::{RecordType, SignalKind, Type};
 use crate::builtins::Table;
@@ -161,16 +162,17 @@ impl Compiler<'_> {
         self.body.locals.len() as u32 - 1
     }
 
-    pub(crate) fn lookup(&self, key: &str) -> Option<&Symbol> {
-        self.body
-            .scope
-            .get(key)
-            .or_else(|| self.module_scopes.get(self.module)?.get(key))
-            .or_else(|| self.task.get(key))
-            .or_else(|| self.predefined.get(key))
+    /// What is visible, the nearest first.
+    fn scopes(&self) -> impl Iterator<Item = &Scope> {
+        let module = self.module_scopes.get(self.module);
+        let inner = std::iter::once(&self.body.scope).chain(module);
+        inner.chain([&self.task, &self.predefined])
     }
 
-    /// A routine of this name, even if data of the same name hide it.
+    pub(crate) fn lookup(&self, key: &str) -> Option<&Symbol> {
+        self.scopes().find_map(|scope| scope.get(key))
+    }
+
     pub(crate) fn lookup_signal(&self, key: &str) -> Option<(String, SignalKind)> {
         self.signals.get(key).cloned()
     }
@@ -190,18 +192,9 @@ impl Compiler<'_> {
 
     /// The visible name nearest to `wanted`, as it is spelled where it is declared.
     pub(crate) fn nearest(&self, wanted: &str, filter: impl Fn(&Symbol) -> bool) -> Option<String> {
-        let scopes = [
-            Some(&self.body.scope),
-            self.module_scopes.get(self.module),
-            Some(&self.task),
-            Some(&self.predefined),
-        ];
-        let symbols = scopes
-            .into_iter()
-            .flatten()
-            .flat_map(|scope| scope.values())
-            .filter(|symbol| filter(symbol))
-            .map(|symbol| symbol.name().to_owned());
+        let symbols = self.scopes().flat_map(BTreeMap::values);
+        let symbols = symbols.filter(|symbol| filter(symbol));
+        let symbols = symbols.map(|symbol| symbol.name().to_owned());
         let signals = self.signals.values().map(|(name, _)| name.clone());
         nearest_name(wanted, symbols.chain(signals))
     }

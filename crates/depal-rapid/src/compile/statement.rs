@@ -1,4 +1,5 @@
-use depal_vm::{BinaryOp, Diagnostic, Op, Span, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{BinaryOp, Op, Value};
 
 use super::scope::{Access, Compiler, DataSymbol, Slot, Symbol};
 use super::types::Type;

@@ -1,6 +1,7 @@
 use std::collections::BTreeSet;
 
-use depal_vm::{Diagnostic, Op};
+use depal_syntax::Diagnostic;
+use depal_vm::Op;
 
 use super::scope::{Callee, Compiler, Symbol};
 use crate::syntax::tree::Module;

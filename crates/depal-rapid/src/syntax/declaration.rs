@@ -133,7 +133,7 @@ impl Parser<'_> {
                 .and_then(|kind| Some((kind, self.expect_name("the name of a record component")?)));
             let Some(field) = field else {
                 if let Some(last) = self.diagnostics.last_mut() {
-                    last.secondary.push(depal_vm::Label {
+                    last.secondary.push(depal_syntax::Label {
                         span: opened,
                         message: "in this RECORD".into(),
                     });

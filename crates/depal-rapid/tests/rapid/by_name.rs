@@ -1,8 +1,9 @@
 //! Module data found by their names: one rule each.
 
 use depal_rapid::load;
+use depal_syntax::SourceFile;
+use depal_vm::Machine;
 use depal_vm::execution::Step;
-use depal_vm::{Machine, SourceFile};
 
 use crate::fake_system::*;
 

@@ -1,7 +1,7 @@
 //! What a person reads about a wrong program.
 
 use depal_rapid::load;
-use depal_vm::SourceFile;
+use depal_syntax::SourceFile;
 
 use crate::fake_system::signals;
 

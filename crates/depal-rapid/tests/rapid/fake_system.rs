@@ -3,11 +3,12 @@
 use std::collections::VecDeque;
 
 use depal_rapid::{SignalDefinition, SignalKind, load};
+use depal_syntax::SourceFile;
 use depal_time::{SimDuration, SimTime};
 use depal_vm::execution::Step;
 pub use depal_vm::testing::run;
 use depal_vm::testing::{Peer, RecordingCabinet, program};
-use depal_vm::{Machine, SourceFile, Value};
+use depal_vm::{Machine, Value};
 
 pub type FakeSystem = RecordingCabinet<Script>;
 

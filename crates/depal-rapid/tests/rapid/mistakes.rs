@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use depal_rapid::load;
-use depal_vm::{Severity, SourceFile};
+use depal_syntax::{Severity, SourceFile};
 
 use crate::fake_system::signals;
 

@@ -1,7 +1,7 @@
 //! Rules of numbers, data, parameters and handlers, one micro-program each, with the case against it.
 
 use depal_rapid::load;
-use depal_vm::SourceFile;
+use depal_syntax::SourceFile;
 
 use crate::fake_system::*;
 

@@ -1,7 +1,7 @@
 //! Every form of the language reads, and what is wrong is told, all of it at once.
 
 use depal_rapid::{check_syntax, decode, normal_form};
-use depal_vm::SourceFile;
+use depal_syntax::SourceFile;
 
 use crate::fake_system::*;
 

@@ -2,9 +2,10 @@
 //! fail, it must not panic or hang.
 
 use depal_rapid::{check, check_syntax, load, normal_form};
+use depal_syntax::SourceFile;
 use depal_time::{SimDuration, SimTime, TICK};
+use depal_vm::Machine;
 use depal_vm::execution::{RobotTask, Step};
-use depal_vm::{Machine, SourceFile};
 
 use crate::fake_system::{FakeSystem, signals};
 use crate::generate::program;

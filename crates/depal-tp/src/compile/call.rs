@@ -1,6 +1,7 @@
 //! Calls of programs and of the vision calls, and RUN.
 
-use depal_vm::{Diagnostic, Op, Span};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::Op;
 
 use super::Compiler;
 use super::routine::ARGUMENTS;

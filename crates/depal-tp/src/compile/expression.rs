@@ -1,6 +1,7 @@
 //! Values and conditions.
 
-use depal_vm::{Diagnostic, Op, Span, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, Value};
 
 use super::Compiler;
 use crate::state;

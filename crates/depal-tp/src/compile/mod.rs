@@ -8,7 +8,8 @@ mod statement;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use depal_vm::{Builtin, Diagnostic, LanguageRules, Op, Program, Routine, Span, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Builtin, LanguageRules, Op, Program, Routine, Value};
 
 use crate::Options;
 use crate::builtins::table;
@@ -186,7 +187,7 @@ impl Compiler<'_> {
     fn near_program(&self, key: &str) -> Option<String> {
         let programs = self.listings.iter().map(|l| l.name.text.clone());
         let calls = crate::mm::CALLS.iter().map(|call| call.name.to_owned());
-        depal_vm::nearest_name(key, programs.chain(calls))
+        depal_syntax::nearest_name(key, programs.chain(calls))
     }
 
     fn builtin(&self, name: &str) -> u32 {

@@ -1,6 +1,7 @@
 //! Moves.
 
-use depal_vm::{Diagnostic, Op, Value};
+use depal_syntax::Diagnostic;
+use depal_vm::{Op, Value};
 
 use super::Compiler;
 use super::expression::Known;

@@ -1,6 +1,7 @@
 //! A listing as a routine: its lines in order, blocks and labels.
 
-use depal_vm::{Diagnostic, Op, Routine, Span, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, Routine, Value};
 
 use super::{Block, Body, Compiler, OpenJump};
 use crate::syntax::tree::*;

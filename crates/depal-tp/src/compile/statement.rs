@@ -1,6 +1,7 @@
 //! Instructions.
 
-use depal_vm::{Diagnostic, Op, Span, Value};
+use depal_syntax::{Diagnostic, Span};
+use depal_vm::{Op, Value};
 
 use super::expression::Known;
 use super::routine::{equal, row};

@@ -3,7 +3,7 @@
 use std::task::Poll;
 
 use depal_vm::system::System;
-use depal_vm::{CallContext, Outcome, RaisedError, Value};
+use depal_vm::{CallContext, Outcome, Value};
 use depal_wire::{
     GetCustomData, GetDoList, GetNotify, GetPlanData, GetState, GetVisionDoList, GetVisionPath,
     GetVisionPlanData, GetVisionPoints, GetVizPath, PlanPoint, ReadParameter, Reply, Request,
@@ -22,6 +22,26 @@ struct Places {
     count: usize,
     vision_move: Option<usize>,
     status: usize,
+}
+
+impl Places {
+    /// `count, status, code`.
+    fn of_points(count: usize) -> Self {
+        Self {
+            count,
+            vision_move: None,
+            status: count + 1,
+        }
+    }
+
+    /// `count, vision move, status, code`.
+    fn of_path(count: usize) -> Self {
+        Self {
+            count,
+            vision_move: Some(count + 1),
+            status: count + 2,
+        }
+    }
 }
 
 /// Asks until all parts are there. The first note is the place of the Vision Move, 0 while none came.
@@ -131,52 +151,40 @@ fn keep_plan(context: &mut CallContext<'_>, point: &PlanPoint, is_joint: bool) -
 }
 
 pub(super) fn vision_points(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let request = Request::GetVisionPoints(GetVisionPoints {
-        job: whole(context, 0, "Job")?,
-    });
-    let places = Places {
-        count: 1,
-        vision_move: None,
-        status: 2,
-    };
-    fetch(context, system, &places, false, &request)
+    let job = whole(context, 0, "Job")?;
+    let request = Request::GetVisionPoints(GetVisionPoints { job });
+    fetch(context, system, &Places::of_points(1), false, &request)
+}
+
+pub(super) fn custom_data(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let job = whole(context, 0, "Job")?;
+    let request = Request::GetCustomData(GetCustomData { job });
+    fetch(context, system, &Places::of_points(1), false, &request)
 }
 
 pub(super) fn vision_path(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let pose_type = whole(context, 1, "Jps_Pos")?;
-    let request = Request::GetVisionPath(GetVisionPath {
-        job: whole(context, 0, "Job")?,
-        pose_type,
-    });
-    let places = Places {
-        count: 2,
-        vision_move: Some(3),
-        status: 4,
-    };
-    fetch(context, system, &places, pose_type == 1, &request)
+    let job = whole(context, 0, "Job")?;
+    let request = Request::GetVisionPath(GetVisionPath { job, pose_type });
+    fetch(
+        context,
+        system,
+        &Places::of_path(2),
+        pose_type == 1,
+        &request,
+    )
 }
 
 pub(super) fn viz_path(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     let pose_type = whole(context, 0, "Jps_Pos")?;
     let request = Request::GetVizPath(GetVizPath { pose_type });
-    let places = Places {
-        count: 1,
-        vision_move: Some(2),
-        status: 3,
-    };
-    fetch(context, system, &places, pose_type == 1, &request)
-}
-
-pub(super) fn custom_data(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let request = Request::GetCustomData(GetCustomData {
-        job: whole(context, 0, "Job")?,
-    });
-    let places = Places {
-        count: 1,
-        vision_move: None,
-        status: 2,
-    };
-    fetch(context, system, &places, false, &request)
+    fetch(
+        context,
+        system,
+        &Places::of_path(1),
+        pose_type == 1,
+        &request,
+    )
 }
 
 pub(super) fn plan_data(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
@@ -189,12 +197,8 @@ pub(super) fn plan_data(context: &mut CallContext<'_>, system: &mut dyn System) 
             pose_type: format,
         }),
     };
-    let places = Places {
-        count: 2,
-        vision_move: Some(3),
-        status: 4,
-    };
-    fetch(context, system, &places, matches!(format, 1 | 3), &request)
+    let is_joint = matches!(format, 1 | 3);
+    fetch(context, system, &Places::of_path(2), is_joint, &request)
 }
 
 /// Asks once.
@@ -202,29 +206,27 @@ fn ask(
     context: &mut CallContext<'_>,
     system: &mut dyn System,
     request: &Request,
-) -> Result<Poll<Result<Reply, i32>>, RaisedError> {
+) -> Poll<Result<Reply, i32>> {
     if context.notes.is_empty() {
         context.notes.push(Value::Bool(true));
     }
-    Ok(exchange(context, system, request))
+    exchange(context, system, request)
+}
+
+/// The status of a reply, or of what came instead of one.
+fn code_of(reply: &Result<Reply, i32>) -> i32 {
+    reply.as_ref().map_or_else(|code| *code, code)
 }
 
 /// The DO list of the gripper; it has no status register of its own.
 pub(super) fn outputs(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
+    let sections = None;
     let request = match whole(context, 0, "Resource")? {
-        0 => Request::GetDoList(GetDoList { sections: None }),
-        job => Request::GetVisionDoList(GetVisionDoList {
-            job,
-            sections: None,
-        }),
+        0 => Request::GetDoList(GetDoList { sections }),
+        job => Request::GetVisionDoList(GetVisionDoList { job, sections }),
     };
-    let reply = match ask(context, system, &request)? {
-        Poll::Pending => return Ok(Outcome::Blocked),
-        Poll::Ready(reply) => reply,
-    };
-    let code = match &reply {
-        Ok(reply) => code(reply),
-        Err(code) => *code,
+    let Poll::Ready(reply) = ask(context, system, &request) else {
+        return Ok(Outcome::Blocked);
     };
     let list = match &reply {
         Ok(Reply::DoList(list) | Reply::VisionDoList(list)) => Some(list.0.to_vec()),
@@ -238,6 +240,7 @@ pub(super) fn outputs(context: &mut CallContext<'_>, system: &mut dyn System) ->
             .map(|d| Value::Int(i64::from(d)))
             .collect();
     }
+    let code = code_of(&reply);
     if report(context, 1, code)? || succeeded {
         done()
     } else {
@@ -246,12 +249,10 @@ pub(super) fn outputs(context: &mut CallContext<'_>, system: &mut dyn System) ->
 }
 
 pub(super) fn parameter(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let request = Request::ReadParameter(ReadParameter {
-        id: whole(context, 0, "Read_id")?,
-    });
-    let reply = match ask(context, system, &request)? {
-        Poll::Pending => return Ok(Outcome::Blocked),
-        Poll::Ready(reply) => reply,
+    let id = whole(context, 0, "Read_id")?;
+    let request = Request::ReadParameter(ReadParameter { id });
+    let Poll::Ready(reply) = ask(context, system, &request) else {
+        return Ok(Outcome::Blocked);
     };
     let code = match reply {
         Ok(Reply::Parameter(value)) => {
@@ -259,8 +260,7 @@ pub(super) fn parameter(context: &mut CallContext<'_>, system: &mut dyn System) 
             state::set_register(context.memory, register, value)?;
             2109
         }
-        Ok(reply) => code(&reply),
-        Err(code) => code,
+        reply => code_of(&reply),
     };
     report(context, 1, code)?;
     report(context, 3, code)?;
@@ -269,9 +269,8 @@ pub(super) fn parameter(context: &mut CallContext<'_>, system: &mut dyn System) 
 
 /// The message of a Notify step; it carries no status, so only trouble of the connection is one.
 pub(super) fn message(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let reply = match ask(context, system, &Request::GetNotify(GetNotify))? {
-        Poll::Pending => return Ok(Outcome::Blocked),
-        Poll::Ready(reply) => reply,
+    let Poll::Ready(reply) = ask(context, system, &Request::GetNotify(GetNotify)) else {
+        return Ok(Outcome::Blocked);
     };
     match reply {
         Ok(reply) => {
@@ -290,14 +289,10 @@ pub(super) fn message(context: &mut CallContext<'_>, system: &mut dyn System) ->
 }
 
 pub(super) fn state(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
-    let reply = match ask(context, system, &Request::GetState(GetState))? {
-        Poll::Pending => return Ok(Outcome::Blocked),
-        Poll::Ready(reply) => reply,
+    let Poll::Ready(reply) = ask(context, system, &Request::GetState(GetState)) else {
+        return Ok(Outcome::Blocked);
     };
-    let code = match reply {
-        Ok(reply) => code(&reply),
-        Err(code) => code,
-    };
+    let code = code_of(&reply);
     report(context, 0, code)?;
     report(context, 1, code)?;
     done()

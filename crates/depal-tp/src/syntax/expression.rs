@@ -182,7 +182,7 @@ impl Cursor<'_> {
         &mut self,
         function: Function,
         count: usize,
-        start: depal_vm::Span,
+        start: depal_syntax::Span,
     ) -> Parsed<Expr> {
         let mut arguments = Vec::new();
         let opened = self.span();

@@ -238,7 +238,7 @@ impl Cursor<'_> {
     fn along(
         &mut self,
         when: AlongWhen,
-        start: depal_vm::Span,
+        start: depal_syntax::Span,
         options: &mut MotionOptions,
     ) -> Parsed<()> {
         let amount = self.unary_value()?;

@@ -180,7 +180,7 @@ impl Cursor<'_> {
         let mut message =
             Diagnostic::error("TP0020", span, format!("there is no instruction {word}"));
         let known = STATEMENTS.iter().map(|known| (*known).to_owned());
-        if let Some(near) = depal_vm::nearest_name(word, known) {
+        if let Some(near) = depal_syntax::nearest_name(word, known) {
             message = message.help(format!("did you mean {near}?"));
         }
         self.fail(message)

@@ -7,9 +7,9 @@ use depal_controller::{
     Controller, ControllerSpec, ControllerState, NoNetwork, SignalKind, SignalSpec,
 };
 use depal_frames::JointPositions;
+use depal_syntax::SourceFile;
 use depal_time::{SimDuration, SimTime, TICK};
 use depal_tp::{Options, Tasks, decimal, load};
-use depal_vm::SourceFile;
 
 use crate::fake_system::{listing, taught};
 

@@ -1,7 +1,7 @@
 //! Messages: all of a file at once, with their places.
 
+use depal_syntax::SourceFile;
 use depal_tp::{Options, check, check_syntax, load};
-use depal_vm::SourceFile;
 
 fn shown(texts: &[(&str, &str)]) -> String {
     let sources: Vec<_> = texts.iter().map(|(n, t)| SourceFile::new(*n, *t)).collect();

@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 use crate::vision::Vision;
+use depal_syntax::SourceFile;
 use depal_time::{SimDuration, SimTime};
 use depal_tp::{Options, Tasks, decimal, load, written_registers};
-use depal_vm::SourceFile;
 use depal_vm::execution::Step;
 pub use depal_vm::testing::run;
 use depal_vm::testing::{self, Peer, RecordingCabinet};

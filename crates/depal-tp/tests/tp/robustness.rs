@@ -1,7 +1,7 @@
 //! Nothing that is read or run makes it panic; a printed listing is the same program.
 
+use depal_syntax::SourceFile;
 use depal_tp::{Options, Tasks, load, normal_form};
-use depal_vm::SourceFile;
 use depal_vm::execution::{RobotTask, Step};
 use proptest::prelude::*;
 

@@ -19,18 +19,13 @@ const CHANNEL: &str = include_str!("../../../../../assets/krl/XML_Kuka_MMIND.xml
 fn task(files: &[(&str, &str)], channels: &[(&str, &str)]) -> Machine {
     let files: Vec<_> = files
         .iter()
-        .map(|(name, text)| depal_vm::SourceFile::new(*name, *text))
+        .map(|(name, text)| depal_syntax::SourceFile::new(*name, *text))
         .collect();
     let channels: Vec<_> = channels
         .iter()
-        .map(|(name, text)| depal_vm::SourceFile::new(*name, *text))
+        .map(|(name, text)| depal_syntax::SourceFile::new(*name, *text))
         .collect();
-    let outputs: Vec<_> = (1..=64)
-        .map(|n| crate::SignalDefinition {
-            name: format!("$OUT[{n}]"),
-            kind: crate::SignalKind::Do,
-        })
-        .collect();
+    let outputs: Vec<_> = (1..=64).map(|n| format!("$OUT[{n}]")).collect();
     let loaded = crate::with_channels(
         crate::load(&files, &outputs, "main"),
         files.len(),

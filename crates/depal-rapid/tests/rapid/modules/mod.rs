@@ -3,9 +3,10 @@
 
 use depal_frames::{EulerConvention, JointPositions};
 use depal_rapid::load;
+use depal_syntax::SourceFile;
 use depal_time::SimDuration;
 use depal_vm::execution::Step;
-use depal_vm::{Machine, SourceFile, Value};
+use depal_vm::{Machine, Value};
 
 use crate::fake_system::*;
 

@@ -273,8 +273,11 @@ fn a_clone_of_a_task_has_its_own_channels() {
 
 #[test]
 fn what_is_wrong_with_a_channel_file_has_its_place() {
-    let files = [depal_vm::SourceFile::new("main.src", "DEF main( )\nEND\n")];
-    let channel = depal_vm::SourceFile::new(
+    let files = [depal_syntax::SourceFile::new(
+        "main.src",
+        "DEF main( )\nEND\n",
+    )];
+    let channel = depal_syntax::SourceFile::new(
         "folder/Plc.xml",
         XML.replace("<PORT>5000</PORT>", "\n  <PORT>0</PORT>\n"),
     );
@@ -307,14 +310,11 @@ fn the_program_of_the_scene_loads() {
     let files: Vec<_> = names
         .into_iter()
         .zip([source, data, MODULE, MODULE_DATA])
-        .map(|(name, text)| depal_vm::SourceFile::new(name, text))
+        .map(|(name, text)| depal_syntax::SourceFile::new(name, text))
         .collect();
-    let signal = |name: String, kind| crate::SignalDefinition { name, kind };
-    let mut signals: Vec<_> = (1..=16)
-        .map(|n| signal(format!("$OUT[{n}]"), crate::SignalKind::Do))
-        .collect();
-    signals.push(signal("$IN[1]".into(), crate::SignalKind::Di));
-    let channel = depal_vm::SourceFile::new("XML_Kuka_MMIND.xml", CHANNEL);
+    let mut signals: Vec<_> = (1..=16).map(|n| format!("$OUT[{n}]")).collect();
+    signals.push("$IN[1]".into());
+    let channel = depal_syntax::SourceFile::new("XML_Kuka_MMIND.xml", CHANNEL);
     let loaded = crate::with_channels(
         crate::load(&files, &signals, "kuka"),
         files.len(),

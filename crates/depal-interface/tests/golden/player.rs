@@ -1,201 +1,30 @@
-//! Replays the transcripts in `tests/golden/wire` byte by byte, in virtual time and without sockets.
-//!
-//! Each transcript is played three times: as text, packed little-endian as written, and big-endian with
-//! the bytes of every cell reversed. Lines:
-//!
-//! - `# ...` a comment; `-> KIND ...` what the robot sends; `<- KIND ...` the next reply, KIND `ascii` or `hex-le`
-//!   (`\r` escaped; bytes in hexadecimal, `|` between cells, `+N` for N zeros);
-//! - `! setup projects=ID:poses|path|custom[:RECIPE+RECIPE],... branches=STEP:EXITS,... [index=STEP:PLACES,...]
-//!   [parameters=STEP:KEY:VALUE,...] [solutions=N,...] [variables=NAME:KIND,...] [inputs=PROJECT:STEP,...]
-//!   [calibration=POSES]`; `! property LINE ; LINE ...` right after it;
-//! - `! wait MS`; `! vision X,Y,Z,TURN,LABEL ...` (top faces, mm and degrees); `! vision error CODE`;
-//! - `! waypoint joint|linear pose P6 joints J6 tool T velocity V label L [plan 21 values]`, then
-//!   `! viz [outputs N ... | N ...]` (rounds) or `! viz error CODE`, or the same with `! vision path`;
-//! - `! custom PORT=V,V|V,V ...` and `! sections N` for the next result; `! vision custom X,Y,Z,TURN,LABEL ...`;
-//! - `! notify MESSAGE`; `! at branch STEP`; `! expect branch STEP exit EXIT`; `! expect index STEP at INDEX`;
-//!   `! expect capture NUMBER`.
-//!
-//! Replies must come exactly where they stand: after every other line nothing may be left over.
+//! A server that plays a transcript, and what the transcript says about its jobs.
 
 use std::collections::VecDeque;
-use std::fmt::Write as _;
-use std::path::Path;
 
-use depal_frames::{BoxSize, EulerConvention, JointPositions, Pose, Vector};
+use depal_frames::{EulerConvention, JointPositions};
 use depal_interface::*;
 use depal_time::{SimDuration, SimTime};
+
+use crate::notation::*;
 
 const PORT: PortId = PortId(0);
 const CLIENT: ConnectionId = ConnectionId(1);
 
-struct Player {
+pub struct Player {
     server: Server,
     encoding: Encoding,
     now: SimTime,
-    replies: VecDeque<Vec<u8>>,
+    pub replies: VecDeque<Vec<u8>>,
     jobs: Vec<Job>,
     waypoints: Vec<PathPoint>,
     custom_ports: Vec<CustomPort>,
     sections: usize,
-    setup: String,
-}
-
-// Transcripts are files on purpose: they are read by people and shared with other tests.
-#[allow(clippy::disallowed_methods)]
-#[test]
-fn transcripts_replay_byte_by_byte() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/wire");
-    let mut files: Vec<_> = std::fs::read_dir(&folder)
-        .expect("folder of transcripts")
-        .map(|entry| entry.expect("entry").path())
-        .collect();
-    files.sort();
-    let names: Vec<String> = files
-        .iter()
-        .map(|file| {
-            file.file_name()
-                .expect("name")
-                .to_string_lossy()
-                .into_owned()
-        })
-        .collect();
-    for command in depal_wire::Request::CODES {
-        let head = format!("{command}_");
-        assert!(
-            names.iter().any(|name| name.starts_with(&head)),
-            "no transcript of {command}"
-        );
-    }
-    for dialogue in ["a", "b", "c", "d", "e", "f"] {
-        let head = format!("dialogue_{dialogue}_");
-        assert!(
-            names.iter().any(|name| name.starts_with(&head)),
-            "no dialogue {dialogue}"
-        );
-    }
-    for (file, name) in files.iter().zip(&names) {
-        let text = std::fs::read_to_string(file).expect("readable transcript");
-        for encoding in [
-            Encoding::Ascii,
-            Encoding::HexLittleEndian,
-            Encoding::HexBigEndian,
-        ] {
-            play(name, &text, encoding);
-        }
-    }
-}
-
-fn play(name: &str, text: &str, encoding: Encoding) {
-    let mut player: Option<Player> = None;
-    for (number, line) in text.lines().enumerate() {
-        let place = format!("{name}:{} ({})", number + 1, encoding.name());
-        let (mark, rest) = line.split_once(' ').unwrap_or((line, ""));
-        match mark {
-            "" | "#" => {}
-            "!" if rest.starts_with("setup ") => player = Some(Player::new(rest, "", encoding)),
-            "!" if rest.starts_with("property ") => {
-                let setup = player.expect("setup comes first").setup;
-                let lines = rest["property ".len()..].replace(';', "\n");
-                player = Some(Player::new(&setup, &lines, encoding));
-            }
-            "!" => {
-                let player = player.as_mut().expect("setup comes first");
-                player.settle(&place);
-                player.act(rest, &place);
-            }
-            "->" | "<-" => {
-                let player = player.as_mut().expect("setup comes first");
-                let Some(bytes) = bytes_of(rest, encoding) else {
-                    continue;
-                };
-                if mark == "->" {
-                    player.settle(&place);
-                    player.send(&bytes);
-                } else {
-                    let reply = player.replies.pop_front();
-                    assert_eq!(reply.map(readable), Some(readable(bytes)), "{place}");
-                }
-            }
-            _ => panic!("{place}: {line}"),
-        }
-    }
-    player.expect("a setup line").settle(name);
-}
-
-/// Bytes of a `->` or `<-` line, if it is meant for this encoding.
-fn bytes_of(line: &str, encoding: Encoding) -> Option<Vec<u8>> {
-    let (kind, body) = line.split_once(' ').expect("kind and bytes");
-    let body = body.trim();
-    if (kind == "ascii") == encoding.is_hex() {
-        return None;
-    }
-    if kind == "ascii" {
-        return Some(body.replace("\\r", "\r").into_bytes());
-    }
-    let mut bytes = Vec::new();
-    for word in body.split_whitespace().filter(|word| *word != "|") {
-        match word.strip_prefix('+') {
-            Some(zeros) => bytes.resize(bytes.len() + zeros.parse::<usize>().expect("zeros"), 0),
-            None => bytes.push(u8::from_str_radix(word, 16).expect("a byte")),
-        }
-    }
-    if encoding == Encoding::HexBigEndian {
-        bytes.chunks_exact_mut(4).for_each(<[u8]>::reverse);
-    }
-    Some(bytes)
-}
-
-/// Text as it is, cells in hexadecimal, so that a failure can be read.
-fn readable(bytes: Vec<u8>) -> String {
-    let is_text = bytes.iter().all(|b| matches!(b, b' '..=b'~' | b'\r'));
-    if is_text && !bytes.is_empty() {
-        return String::from_utf8_lossy(&bytes).into_owned();
-    }
-    let mut text = format!("{} bytes:", bytes.len());
-    for cell in bytes.chunks(4) {
-        text.push(' ');
-        for byte in cell {
-            write!(text, "{byte:02x}").expect("writing to a string");
-        }
-    }
-    text
-}
-
-fn numbers(text: &str) -> Vec<f64> {
-    text.split(',')
-        .map(|n| n.parse().expect("a number"))
-        .collect()
-}
-
-fn six(text: &str) -> [f64; 6] {
-    numbers(text).try_into().expect("six numbers")
-}
-
-fn status(text: &str) -> Status {
-    Status::from_code(text.parse().expect("a code")).expect("a known code")
-}
-
-fn project(text: &str) -> VisionProject {
-    let fields: Vec<&str> = text.split(':').collect();
-    VisionProject {
-        id: fields[0].parse().expect("project number"),
-        output: match fields[1] {
-            "poses" => OutputPort::Poses,
-            "path" => OutputPort::Path,
-            "custom" => OutputPort::Custom,
-            other => panic!("output {other}"),
-        },
-        recipes: fields.get(2).map_or(Vec::new(), |list| {
-            list.split('+')
-                .map(|r| r.parse().expect("recipe"))
-                .collect()
-        }),
-        ..VisionProject::default()
-    }
+    pub setup: String,
 }
 
 impl Player {
-    fn new(setup: &str, property_config: &str, encoding: Encoding) -> Self {
+    pub fn new(setup: &str, property_config: &str, encoding: Encoding) -> Self {
         let items = |key: &str| -> Vec<Vec<&str>> {
             let head = format!("{key}=");
             let value = setup
@@ -279,7 +108,7 @@ impl Player {
         player
     }
 
-    fn send(&mut self, bytes: &[u8]) {
+    pub fn send(&mut self, bytes: &[u8]) {
         self.server.handle_input(self.now, PORT, CLIENT, bytes);
         self.collect();
         if self.encoding.is_hex() {
@@ -303,7 +132,7 @@ impl Player {
 
     /// No reply may be left over.
     #[track_caller]
-    fn settle(&self, place: &str) {
+    pub fn settle(&self, place: &str) {
         let left: Vec<_> = self.replies.iter().cloned().map(readable).collect();
         assert!(
             left.is_empty(),
@@ -311,7 +140,7 @@ impl Player {
         );
     }
 
-    fn act(&mut self, line: &str, place: &str) {
+    pub fn act(&mut self, line: &str, place: &str) {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words.as_slice() {
             ["wait", millis] => self.wait(millis.parse().expect("milliseconds")),
@@ -453,57 +282,5 @@ impl Player {
     fn finish_viz(&mut self, outcome: VizOutcome) {
         let job_id = self.viz_job();
         self.server.finish_viz(self.now, job_id, outcome);
-    }
-}
-
-/// The 21 numbers of the standard, in their order on the wire.
-fn vision_move(values: &[f64]) -> VisionMoveData {
-    let mut labels = [0; 10];
-    for (label, value) in labels.iter_mut().zip(values) {
-        *label = *value as i32;
-    }
-    VisionMoveData {
-        labels,
-        picked_total: values[10] as i32,
-        picked_now: values[11] as i32,
-        edge_or_corner: values[12] as i32,
-        group_from_tcp_offset: Vector::new(values[13], values[14], values[15]) * 1e-3,
-        is_group_square: values[16] != 0.0,
-        is_box_square: values[17] != 0.0,
-        group_size: BoxSize::from_mm([values[18], values[19], values[20]]),
-    }
-}
-
-fn vision_point(text: &str) -> VisionPoint {
-    let v = numbers(text);
-    VisionPoint {
-        base_from_object: Pose::new(
-            Vector::new(v[0], v[1], v[2]) * 1e-3,
-            Vector::z() * v[3].to_radians(),
-        ),
-        label: v[4] as i32,
-    }
-}
-
-fn custom_port(text: &str) -> CustomPort {
-    let (name, rows) = text.split_once('=').expect("PORT=ROWS");
-    CustomPort {
-        name: name.to_owned(),
-        rows: rows.split('|').map(numbers).collect(),
-    }
-}
-
-/// Pose n of the calibrations in the transcripts.
-fn calibration_pose(n: f64) -> CalibrationPose {
-    CalibrationPose {
-        base_from_flange: EulerConvention::AbbZyx.pose_from_mm_deg([
-            600.0 + 10.0 * n,
-            0.0,
-            800.0,
-            0.0,
-            0.0,
-            180.0,
-        ]),
-        joints: JointPositions::from_degrees(&[10.0 * n, 0.0, 10.0, 0.0, 30.0, 0.0]),
     }
 }
