@@ -4,9 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use depal_frames::{BoxSize, JointPositions, Pose};
-use depal_interface::{
-    Direction, FrameFaults, JobId, PortId, Server, ServerSettings, Status,
-};
+use depal_interface::{Direction, FrameFaults, JobId, PortId, Server, ServerSettings, Status};
 use depal_time::{SimTime, TICK};
 use depal_workflow::Engine;
 

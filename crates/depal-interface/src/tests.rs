@@ -8,6 +8,7 @@ mod coverage;
 mod faults;
 mod order_model;
 mod property_config;
+mod robot_pose;
 
 const PORT: PortId = PortId(0);
 const CLIENT: ConnectionId = ConnectionId(1);
