@@ -48,7 +48,7 @@ pub(crate) enum Work {
     /// The shutter opens at its due time.
     Exposure {
         owner: Owner,
-        project: VisionProject,
+        project: Box<VisionProject>,
         /// The flange in the base as the robot has told it.
         reported: Option<Pose>,
     },
@@ -228,7 +228,7 @@ impl VisionSide {
         let due = now + spec.latencies.exposure;
         let exposure = Work::Exposure {
             owner,
-            project,
+            project: Box::new(project),
             reported,
         };
         self.work.push((due, exposure));
