@@ -192,6 +192,22 @@ fn a_robot_that_moves_on_was_not_where_it_said() {
     }
 }
 
+#[test]
+fn a_camera_behind_the_gripper_sees_the_gripper() {
+    // At the flange, looking along the tool: the plate fills the picture, and what it hides is not found.
+    let overrides = [
+        ("camera.xyz_mm", "[0, 0, 0]"),
+        ("camera.look_at_mm", "[0, 0, 1000]"),
+        ("camera.near_mm", "100"),
+        ("run.may_leave_cartons", "true"),
+    ];
+    let finished = run_scene(&scene("eye_in_hand", &overrides, None));
+    let seen = events(&finished, "vision");
+    assert_eq!(seen.len(), 1, "{seen:?}");
+    assert_eq!(seen[0]["pickable"], 0);
+    assert!(finished.outcome.score.picks.is_empty());
+}
+
 /// A client without a robot: it is where it says it is.
 struct Talk(Station);
 
@@ -362,7 +378,10 @@ fn motions_that_leave_the_camera_open_are_refused() {
         .collect();
     let has = |said: &[String], text: &str| said.iter().any(|line| line.contains(text));
     let said = calibrated_with(&shifted);
-    assert!(has(&said, "no calibration: the flange turned by 0.00"), "{said:#?}");
+    assert!(
+        has(&said, "no calibration: the flange turned by 0.00"),
+        "{said:#?}"
+    );
     assert!(!has(&said, "\"calibrated\""));
     let said = calibrated_with(&turned);
     assert!(

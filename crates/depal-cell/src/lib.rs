@@ -11,7 +11,9 @@
 //! A [`station::Station`] is the vision side alone: the same cell at rest, for robots that come over a
 //! network; one session a port, and no robot program.
 //!
-//! Limitations: one arm, one camera; a cell with a robot program has one port, in process.
+//! Limitations: one arm, one camera; a cell with a robot program has one port, in process. A camera on the
+//! flange has no housing of its own, a picture is of one instant without blur, and all pictures of one run
+//! (101, 201) go through the one pose that the robot told at its start.
 
 pub mod calibration;
 mod calibration_desk;

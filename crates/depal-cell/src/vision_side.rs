@@ -4,9 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use depal_frames::{BoxSize, JointPositions, Pose};
-use depal_interface::{
-    Direction, FrameFaults, JobId, PortId, Server, ServerSettings, Status,
-};
+use depal_interface::{Direction, FrameFaults, JobId, PortId, Server, ServerSettings, Status};
 use depal_time::{SimTime, TICK};
 use depal_workflow::Engine;
 
@@ -50,7 +48,7 @@ pub(crate) enum Work {
     /// The shutter opens at its due time.
     Exposure {
         owner: Owner,
-        project: VisionProject,
+        project: Box<VisionProject>,
         /// The flange in the base as the robot has told it.
         reported: Option<Pose>,
     },
@@ -230,7 +228,7 @@ impl VisionSide {
         let due = now + spec.latencies.exposure;
         let exposure = Work::Exposure {
             owner,
-            project,
+            project: Box::new(project),
             reported,
         };
         self.work.push((due, exposure));

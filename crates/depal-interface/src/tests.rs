@@ -9,6 +9,7 @@ mod faults;
 mod order_model;
 mod property_config;
 mod random;
+mod robot_pose;
 mod vision;
 mod viz;
 

@@ -91,6 +91,10 @@ section! {
         /// How far the camera really hangs from where calibration says, along the axes of that frame, mm.
         /// Default [0, 0, 0]; a wrong one shows what a bad calibration costs.
         mounting_error_mm: [f64; 3], Numbers::<3>(COORDINATE_MM), default([0.0; 3]);
+        /// How far it is really turned from what calibration says: roll, pitch and yaw about the axes of that
+        /// frame, through the optical centre, degrees.
+        /// Default [0, 0, 0]: as for `mounting_error_mm`.
+        mounting_error_rpy_deg: [f64; 3], Numbers::<3>(ANGLE_DEG), default([0.0; 3]);
         /// The lens is covered: every picture is empty.
         /// Default false; for tests of what happens when nothing is seen.
         blackout: bool, Flag, default(false);
@@ -117,6 +121,16 @@ impl Camera {
             (None, None) => Rotation::identity(),
         };
         Pose::from_parts(Translation3::from(at), rotation)
+    }
+
+    /// Where the camera really is on that carrier, metres: its pose with the errors of its mounting.
+    pub fn true_carrier_from_camera(&self) -> Pose {
+        let calibrated = self.carrier_from_camera();
+        let [roll, pitch, yaw] = self.mounting_error_rpy_deg.map(f64::to_radians);
+        Pose::from_parts(
+            (Vector::from(self.mounting_error_mm) * 1e-3 + calibrated.translation.vector).into(),
+            Rotation::from_euler_angles(roll, pitch, yaw) * calibrated.rotation,
+        )
     }
 
     /// Principal point, pixels.

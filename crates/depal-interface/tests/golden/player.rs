@@ -91,7 +91,7 @@ impl Player {
             variables: variables.collect(),
             property_config: property_config.to_owned(),
             calibration: (0..poses).map(|n| calibration_pose(f64::from(n))).collect(),
-            faults: depal_interface::FaultScript::default(),
+            ..ServerSettings::default()
         };
         let mut player = Self {
             server: Server::new(settings).expect("good settings"),

@@ -257,7 +257,7 @@ fn signal(signal: &Signal) -> SignalSpec {
 /// Where the camera really is, and where calibration says that it is on its carrier: base or flange.
 fn mounting(camera: &Camera, base_from_world: &Pose) -> (Mounting, Pose) {
     let calibrated = camera.carrier_from_camera();
-    let really = solids::pose_mm_yaw(camera.mounting_error_mm, 0.0) * calibrated;
+    let really = camera.true_carrier_from_camera();
     match camera.mount {
         CameraMount::World => {
             let world_from_camera = really;

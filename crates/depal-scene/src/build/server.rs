@@ -2,10 +2,9 @@
 
 use depal_frames::EulerConvention;
 use depal_interface::{
-    AsciiTerminator, BranchStep, Encoding, FaultScript, HexPlanCells,
-    HexReplyLength, IndexStep, OutputPort, ParameterRange, PointCell8, PortSettings, Profile,
-    ServerSettings, StateReply, Status, StepParameter, Variable, VariableKind, VisionProject,
-    VizProject,
+    AsciiTerminator, BranchStep, Encoding, FaultScript, HexPlanCells, HexReplyLength, IndexStep,
+    OutputPort, ParameterRange, PointCell8, PortSettings, Profile, ServerSettings, StateReply,
+    Status, StepParameter, Variable, VariableKind, VisionProject, VizProject,
 };
 use depal_time::SimDuration;
 use depal_workflow::{Project, Writable};

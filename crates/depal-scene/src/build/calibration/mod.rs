@@ -122,9 +122,7 @@ fn volume(
         let [x, y] = spec.board.plate_size();
         let distance =
             lens.fx.min(lens.fy) * x.hypot(y) / (PLATE_SHARE * lens.width.min(lens.height) as f64);
-        let before = cell.world_from_base
-            * spec.board_pose
-            * Pose::translation(0.0, 0.0, distance);
+        let before = cell.world_from_base * spec.board_pose * Pose::translation(0.0, 0.0, distance);
         return (
             before.translation.vector,
             Vector::from(BEFORE_BOARD) * distance,
