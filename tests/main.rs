@@ -1,5 +1,6 @@
 //! One test binary: what only the whole house can show.
 
+mod ahead;
 mod brands;
 mod calibration;
 mod counterfactuals;

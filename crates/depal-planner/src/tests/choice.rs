@@ -1,8 +1,14 @@
+use std::collections::BTreeSet;
+
 use depal_frames::{BoxSize, JointPositions, PlacedShape, Pose, Rotation, Vector};
-use depal_gripper::CupSpec;
+use depal_gripper::{CupSpec, SectionSpec};
 
 use super::{Cell, assert_consistent, assert_free, pallet, seen, visible};
-use crate::{PlannerSettings, RejectReason, grasp::grasps, group::Group};
+use crate::{
+    PlannerSettings, RejectReason,
+    grasp::{Grasp, grasps},
+    group::Group,
+};
 
 #[test]
 fn sections_follow_the_face() {
@@ -54,6 +60,58 @@ fn sections_follow_the_face() {
         grasps(&cell.gripper, &Group::single(0, &carton), &heavy(93.0)),
         Err(RejectReason::TooLittleForce { .. })
     ));
+}
+
+/// Four zones in two rows and columns: which of them hold a carton says which edge or corner of the field it is flush with.
+#[test]
+fn edges_and_corners_of_the_gripper_have_their_numbers() {
+    let mut cell = Cell::new();
+    let template = cell.gripper.cups[0].clone();
+    cell.gripper.sections.clear();
+    cell.gripper.cups.clear();
+    for (section, [x, y]) in [[0.1, 0.1], [-0.1, 0.1], [-0.1, -0.1], [0.1, -0.1]]
+        .into_iter()
+        .enumerate()
+    {
+        cell.gripper.sections.push(SectionSpec {
+            digital_output: section as u16,
+            area: [x - 0.1, x + 0.1, y - 0.1, y + 0.1],
+        });
+        cell.gripper.cups.push(CupSpec {
+            position: [x, y],
+            section,
+            diameter: 0.1,
+            ..template.clone()
+        });
+    }
+    cell.settings.max_carton_mass = 5.0;
+    let found = |length, width| {
+        let mut carton = seen(1.7, 0.0, 1.0, 0.0);
+        carton.size = BoxSize {
+            length,
+            width,
+            height: 0.15,
+        };
+        let found = grasps(&cell.gripper, &Group::single(0, &carton), &cell.settings).unwrap();
+        // The best, and those that hold as much.
+        let as_many = |g: &&Grasp| g.sections.len() == found[0].sections.len();
+        let numbers = found.iter().filter(as_many);
+        let numbers = numbers.map(|g| (g.edge_corner_id, g.sections.clone()));
+        numbers.collect::<BTreeSet<_>>().into_iter().collect()
+    };
+    let corners: Vec<(u8, Vec<usize>)> = found(0.2, 0.19);
+    let expected = [(5, vec![0]), (6, vec![1]), (7, vec![2]), (8, vec![3])];
+    assert_eq!(corners, expected);
+    let edges: Vec<(u8, Vec<usize>)> = found(0.39, 0.2);
+    let expected = [
+        (1, vec![0, 3]),
+        (2, vec![0, 1]),
+        (3, vec![1, 2]),
+        (4, vec![2, 3]),
+    ];
+    assert_eq!(edges, expected);
+    let whole: Vec<(u8, Vec<usize>)> = found(0.4, 0.39);
+    assert_eq!(whole, [(0, vec![0, 1, 2, 3])], "opposite edges are none");
 }
 
 #[test]
