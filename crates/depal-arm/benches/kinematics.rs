@@ -1,5 +1,7 @@
-//! Forward and inverse kinematics of our own arms over random postures.
+//! Forward and inverse kinematics of our own arms, and of one without a closed form, over random postures.
 #![allow(missing_docs)]
+
+use std::f64::consts::FRAC_PI_2;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use depal_arm::Arm;
@@ -18,9 +20,34 @@ const ARMS: [(&str, &str); 3] = [
     ),
 ];
 
+/// Universal Robots UR10e, whose wrist is no ball: figures of the maker's table of Denavit and Hartenberg parameters.
+fn ur10e() -> String {
+    let rows = [
+        ("0 0 0", 0.0),
+        ("0 0 0.1807", FRAC_PI_2),
+        ("-0.6127 0 0", 0.0),
+        ("-0.57155 0 0", 0.0),
+        ("0 0 0.17415", FRAC_PI_2),
+        ("0 0 0.11985", -FRAC_PI_2),
+    ];
+    let mut text = r#"<robot name="ur10e"><link name="link_0"/>"#.to_owned();
+    for (i, (xyz, roll)) in rows.iter().enumerate() {
+        let n = i + 1;
+        text += &format!(
+            r#"<link name="link_{n}"/><joint name="joint_{n}" type="revolute"><parent link="link_{i}"/>
+            <child link="link_{n}"/><origin xyz="{xyz}" rpy="{roll} 0 0"/><axis xyz="0 0 1"/>
+            <limit lower="-3.1" upper="3.1" velocity="2"/></joint>"#
+        );
+    }
+    text + r#"<link name="tool0"/><joint name="flange" type="fixed"><parent link="link_6"/><child link="tool0"/>
+        <origin xyz="0 0 0.11655"/></joint></robot>"#
+}
+
 fn bench_kinematics(criterion: &mut Criterion) {
-    for (name, urdf) in ARMS {
-        let arm = Arm::from_urdf_uniform(urdf, name, 2.0).expect("our own URDF");
+    let ur10e = ur10e();
+    let numeric = [("offset wrist", ur10e.as_str())];
+    for (name, urdf) in ARMS.into_iter().chain(numeric) {
+        let arm = Arm::from_urdf_uniform(urdf, name, 2.0).expect("a good URDF");
         let mut random = RandomStreams::new(1).stream("bench");
         let mut states: Vec<(JointPositions, Pose)> = Vec::new();
         for _ in 0..500 {

@@ -262,6 +262,7 @@ impl Source {
                 let reason = format!("the file begins with <{name}>; expected <robot>");
                 return Err(self.unreadable(line, reason));
             }
+            self.lines.insert("<robot>".to_owned(), line);
             return Ok(Open {
                 tag: name,
                 line,

@@ -51,6 +51,7 @@ pub(crate) fn load(
         source: &source,
         meshes,
     };
+    check_mimics(&robot, &source)?;
     let order = link_order(&robot, &source)?;
     let index_of: BTreeMap<&str, usize> = order
         .iter()
@@ -306,6 +307,22 @@ struct Driver {
     offset: f64,
 }
 
+/// Every mimic must follow a joint that is there, even that of a joint which cannot move.
+fn check_mimics(robot: &Robot, source: &Source) -> Result<(), ArmError> {
+    for joint in &robot.joints {
+        if let Some(mimic) = &joint.mimic
+            && robot.joints.iter().all(|j| j.name != mimic.joint)
+        {
+            return Err(ArmError::UnknownMimic {
+                at: source.at(&format!("joint '{}' <mimic>", joint.name)),
+                joint: joint.name.clone(),
+                master: mimic.joint.clone(),
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Follows mimics to the joint that has none; none for fixed joints.
 fn driver(robot: &Robot, joint: usize, source: &Source) -> Result<Option<Driver>, ArmError> {
     if robot.joints[joint].joint_type == JointType::Fixed {
@@ -330,16 +347,9 @@ fn driver(robot: &Robot, joint: usize, source: &Source) -> Result<Option<Driver>
             &format!("joint '{}' <mimic>", at.name),
             &[multiplier, offset],
         )?;
+        let master = robot.joints.iter().position(|j| j.name == mimic.joint);
         driver = Driver {
-            joint: robot
-                .joints
-                .iter()
-                .position(|j| j.name == mimic.joint)
-                .ok_or_else(|| ArmError::UnknownMimic {
-                    at: source.at(&format!("joint '{}' <mimic>", at.name)),
-                    joint: at.name.clone(),
-                    master: mimic.joint.clone(),
-                })?,
+            joint: master.expect("every mimic's joint was looked up"),
             multiplier: driver.multiplier * multiplier,
             offset: driver.multiplier * offset + driver.offset,
         };

@@ -10,8 +10,9 @@ const KR16: &str = include_str!("../../../urdf/kuka_kr16_2.urdf");
 /// A box of 8 corners.
 const BOX: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n";
 
+/// Of the description; two folders above it are ours as well.
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_TARGET_TMPDIR")).join("urdf_faults")
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("urdf_faults/maker/urdf")
 }
 
 /// Exit code and stderr, with the folder left out.
@@ -26,8 +27,10 @@ fn told(args: &[&str]) -> (i32, String) {
     assert!(!text.contains("panicked"), "{text}");
     let canonical = folder().canonicalize().expect("it was made");
     let text = text.replace(&*canonical.to_string_lossy(), "HERE");
-    let outer = canonical.parent().expect("a folder above");
-    let text = text.replace(&*outer.to_string_lossy(), "ABOVE");
+    let mut text = text;
+    for (above, name) in canonical.ancestors().skip(1).zip(["MAKER", "TOP"]) {
+        text = text.replace(&*above.to_string_lossy(), name);
+    }
     (output.status.code().unwrap_or(-1), text)
 }
 
@@ -236,10 +239,7 @@ fn rows() -> Vec<(&'static str, String)> {
             "a package that is nowhere",
             with_mesh("filename=\"package://maker_support/arm.stl\""),
         ),
-        (
-            "a mesh outside",
-            with_mesh("filename=\"../../../secret.stl\""),
-        ),
+        ("a mesh outside", with_mesh("filename=\"../../secret.stl\"")),
         (
             "a mesh by an absolute path",
             with_mesh("filename=\"/etc/hostname\""),
@@ -269,6 +269,7 @@ fn every_fault_names_file_line_and_element() {
         &[[0; 80].as_slice(), &[200, 0, 0, 0, 1, 2, 3]].concat(),
     );
     write("arm.glb", b"glTF");
+    write("../../secret.stl", b"solid secret");
     // 2 GB that take no room on the disk.
     let huge = fs::File::create(folder.join("huge.stl")).expect("writable");
     huge.set_len(2 << 30).expect("long");
@@ -295,6 +296,23 @@ fn every_fault_names_file_line_and_element() {
         }
     }
     insta::assert_snapshot!(page);
+
+    // The line reaches other programs, too.
+    write(
+        "arm.urdf",
+        with(AXIS_1, r#"<axis xyz="0 0 0"/>"#).as_bytes(),
+    );
+    let output = Command::new(env!("CARGO_BIN_EXE_depal"))
+        .args(["check", "--json", "arm.urdf"])
+        .current_dir(&folder)
+        .output()
+        .expect("the binary starts");
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one document");
+    let finding = &document["files"][0]["diagnostics"][0];
+    assert_eq!(
+        (&finding["code"], &finding["line"]),
+        (&"URDF".into(), &197.into())
+    );
 }
 
 /// What other programs put into the file, and meshes only to look at, do no harm.

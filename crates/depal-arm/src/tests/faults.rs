@@ -81,6 +81,21 @@ fn the_line_is_that_of_the_fault() {
 }
 
 #[test]
+fn a_joint_that_cannot_move_may_not_follow_one_that_is_not_there() {
+    let text = IRB6700.replace(
+        "</robot>",
+        r#"<link name="plate"/><joint name="held" type="fixed"><parent link="tool0"/><child link="plate"/>
+        <mimic joint="joint_9"/></joint></robot>"#,
+    );
+    let error = Arm::from_urdf_uniform(&text, FILE, 2.0).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("'held' <mimic>: joint 'joint_9' does not exist")
+    );
+}
+
+#[test]
 fn meshes_are_left_out_with_a_warning_wherever_they_point() {
     for mesh in ["package://x/foot.stl", "../../secret.dae", "/etc/foot.obj"] {
         let text = IRB6700.replace(

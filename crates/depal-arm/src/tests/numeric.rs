@@ -257,3 +257,21 @@ fn ways_compared() {
         }
     }
 }
+
+/// Figures for people: time of the closed forms.
+#[test]
+#[ignore = "prints figures, judges nothing"]
+fn closed_forms_timed() {
+    for text in super::own_arms::ALL {
+        let arm = Arm::from_urdf_uniform(text, "own.urdf", 2.0).unwrap();
+        let mut random = RandomStreams::new(1).stream("timed");
+        let poses: Vec<Pose> = (0..2000)
+            .map(|_| arm.base_from_flange(&random_joints(&arm, &mut random)))
+            .collect();
+        #[expect(clippy::disallowed_methods, reason = "a figure for people")]
+        let start = std::time::Instant::now();
+        let found: usize = poses.iter().map(|pose| arm.inverse(pose).len()).sum();
+        let us = start.elapsed().as_secs_f64() * 1e6 / 2000.0;
+        println!("{}: {us:.2} us, {found} solutions", arm.name());
+    }
+}

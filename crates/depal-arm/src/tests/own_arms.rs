@@ -11,6 +11,17 @@ const KR210: &str = include_str!("../../../../urdf/kuka_kr210_r2700_2.urdf");
 const KR16: &str = include_str!("../../../../urdf/kuka_kr16_2.urdf");
 const R2000IC: &str = include_str!("../../../../urdf/fanuc_r2000ic_165f.urdf");
 
+/// All of them.
+pub(super) const ALL: [&str; 7] = [
+    super::IRB6700,
+    IRB460,
+    IRB660,
+    KR120PA,
+    KR210,
+    KR16,
+    R2000IC,
+];
+
 fn load(text: &str) -> Arm {
     Arm::from_urdf_uniform(text, "own.urdf", 2.0).unwrap()
 }
