@@ -26,19 +26,22 @@ impl Compiler<'_> {
             return Type::Broken;
         };
         let count = self.arguments(&routine.signature, name, arguments);
-        match routine.callee {
-            Callee::Routine(routine) => self.emit(Op::Call {
-                routine,
-                arguments: count,
-            }),
+        self.emit_call(routine.callee, count, true);
+        result
+    }
+
+    /// WaitUntil is lowered otherwise, and a TRAP is refused.
+    fn emit_call(&mut self, callee: Callee, arguments: u32, result: bool) {
+        match callee {
+            Callee::Routine(routine) => self.emit(Op::Call { routine, arguments }),
             Callee::Builtin(builtin) => self.emit(Op::CallBuiltin {
                 builtin,
-                arguments: count,
-                result: true,
+                arguments,
+                result,
             }),
-            Callee::WaitUntil | Callee::ResetRetryCount | Callee::Trap(_) => 0,
+            Callee::ResetRetryCount => self.emit(Op::ResetRetries),
+            Callee::WaitUntil | Callee::Trap(_) => 0,
         };
-        result
     }
 
     pub(super) fn present(&mut self, arguments: &[Argument], span: Span) -> Type {
@@ -102,19 +105,7 @@ impl Compiler<'_> {
             return;
         }
         let count = self.arguments(&routine.signature, name, arguments);
-        match routine.callee {
-            Callee::Routine(routine) => self.emit(Op::Call {
-                routine,
-                arguments: count,
-            }),
-            Callee::Builtin(builtin) => self.emit(Op::CallBuiltin {
-                builtin,
-                arguments: count,
-                result: false,
-            }),
-            Callee::ResetRetryCount => self.emit(Op::ResetRetries),
-            Callee::WaitUntil | Callee::Trap(_) => 0,
-        };
+        self.emit_call(routine.callee, count, false);
     }
 
     /// Arguments of a call by name: data are given by reference, the callee takes what it needs.

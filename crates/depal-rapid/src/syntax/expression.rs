@@ -11,12 +11,13 @@ impl Parser<'_> {
         if self.inside == 0 {
             self.begin_operators();
         }
-        if !self.enter() {
-            self.leave();
-            self.recover();
-            return broken(start);
-        }
         self.inside += 1;
+        let read = self.nested(Self::disjunction);
+        self.inside -= 1;
+        read.unwrap_or_else(|| broken(start))
+    }
+
+    fn disjunction(&mut self) -> Expression {
         let mut left = self.maybe_not(Self::logical_term);
         loop {
             let operator = if self.maybe_word("OR") {
@@ -32,8 +33,6 @@ impl Parser<'_> {
             let right = self.maybe_not(Self::logical_term);
             left = binary(operator, left, right);
         }
-        self.inside -= 1;
-        self.leave();
         left
     }
 
@@ -42,13 +41,9 @@ impl Parser<'_> {
         if !self.maybe_word("NOT") {
             return inner(self);
         }
-        if !self.enter() {
-            self.leave();
-            self.recover();
+        let Some(operand) = self.nested(|parser| parser.maybe_not(inner)) else {
             return broken(start);
-        }
-        let operand = self.maybe_not(inner);
-        self.leave();
+        };
         Expression {
             span: start.to(operand.span),
             kind: ExpressionKind::Not(Box::new(operand)),
@@ -127,13 +122,9 @@ impl Parser<'_> {
         }
         let negative = self.is_mark("-");
         self.advance();
-        if !self.enter() {
-            self.leave();
-            self.recover();
+        let Some(operand) = self.nested(Self::signed) else {
             return broken(start);
-        }
-        let operand = self.signed();
-        self.leave();
+        };
         if !negative {
             return operand;
         }

@@ -115,17 +115,20 @@ impl<'a> Parser<'a> {
         true
     }
 
-    /// One level deeper; `false`, reported, when too deep.
-    pub(crate) fn enter(&mut self) -> bool {
-        self.depth += 1;
-        if self.depth > DEPTH_LIMIT {
+    /// Reads one level deeper; `None`, reported and skipped, when too deep.
+    pub(crate) fn nested<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> Option<T> {
+        if self.depth >= DEPTH_LIMIT {
             self.report(
                 "RAPID0019",
                 format!("more than {DEPTH_LIMIT} levels inside each other"),
             );
-            return false;
+            self.recover();
+            return None;
         }
-        true
+        self.depth += 1;
+        let result = read(self);
+        self.depth -= 1;
+        Some(result)
     }
 
     /// Starts counting the operators of an outermost expression.
@@ -145,10 +148,6 @@ impl<'a> Parser<'a> {
             return false;
         }
         true
-    }
-
-    pub(crate) fn leave(&mut self) {
-        self.depth -= 1;
     }
 
     /// Skips to behind the next `;`, or to a word that can only begin something new.

@@ -41,13 +41,7 @@ impl Parser<'_> {
         if self.maybe_mark(";") {
             return None;
         }
-        if !self.enter() {
-            self.leave();
-            self.recover();
-            return None;
-        }
-        let kind = self.statement_kind(start);
-        self.leave();
+        let kind = self.nested(|parser| parser.statement_kind(start))?;
         Some(Statement {
             kind,
             span: start.to(self.last_span()),

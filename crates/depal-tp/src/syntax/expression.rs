@@ -1,6 +1,6 @@
 //! Values, conditions, registers and signals.
 
-use depal_syntax::Diagnostic;
+use depal_syntax::{Diagnostic, Span};
 
 use super::cursor::{Cursor, Parsed};
 use super::keywords::LOCALISED_ITEMS;
@@ -76,24 +76,53 @@ impl Cursor<'_> {
             });
         }
         if self.accept("-") {
-            let inner = self.deeper(Self::unary)?;
-            let span = start.to(inner.span);
-            let kind = match inner.kind {
-                ExprKind::Number { value, is_real } => ExprKind::Number {
-                    value: -value,
-                    is_real,
-                },
-                kind => ExprKind::Negate(Box::new(Expr {
-                    kind,
-                    span: inner.span,
-                })),
-            };
-            return Ok(Expr { kind, span });
+            return Ok(negated(start, self.deeper(Self::unary)?));
         }
         if self.accept("+") {
             return self.deeper(Self::unary);
         }
         self.primary()
+    }
+
+    /// A value without comparison: what stands around the `=` of SELECT.
+    pub fn unary_value(&mut self) -> Parsed<Expr> {
+        let start = self.span();
+        if self.accept("-") {
+            return Ok(negated(start, self.deeper(Self::unary_value)?));
+        }
+        match self.peek() {
+            Some(Kind::Number { value, is_real }) => {
+                self.advance();
+                Ok(Expr {
+                    kind: ExprKind::Number {
+                        value: *value,
+                        is_real: *is_real,
+                    },
+                    span: start,
+                })
+            }
+            Some(Kind::Text(text)) => {
+                self.advance();
+                Ok(Expr {
+                    kind: ExprKind::Text(text.clone()),
+                    span: start,
+                })
+            }
+            Some(Kind::Symbol("(")) => {
+                self.advance();
+                let inner = self.expression()?;
+                self.expect_closing(")", start)?;
+                Ok(inner)
+            }
+            _ if self.item_kind().is_some() => {
+                let item = self.item()?;
+                Ok(Expr {
+                    span: item.span,
+                    kind: ExprKind::Item(item),
+                })
+            }
+            _ => self.expected("a value"),
+        }
     }
 
     fn primary(&mut self) -> Parsed<Expr> {
@@ -178,12 +207,7 @@ impl Cursor<'_> {
         Ok(())
     }
 
-    fn function(
-        &mut self,
-        function: Function,
-        count: usize,
-        start: depal_syntax::Span,
-    ) -> Parsed<Expr> {
+    fn function(&mut self, function: Function, count: usize, start: Span) -> Parsed<Expr> {
         let mut arguments = Vec::new();
         let opened = self.span();
         let closing = if function.is_on_strings() {
@@ -349,4 +373,20 @@ fn canonical_item(word: &str) -> String {
         keyword if keyword == "POSITION" => "P".into(),
         keyword => keyword,
     }
+}
+
+/// A value behind the minus at `start`.
+fn negated(start: Span, inner: Expr) -> Expr {
+    let span = start.to(inner.span);
+    let kind = match inner.kind {
+        ExprKind::Number { value, is_real } => ExprKind::Number {
+            value: -value,
+            is_real,
+        },
+        kind => ExprKind::Negate(Box::new(Expr {
+            kind,
+            span: inner.span,
+        })),
+    };
+    Expr { kind, span }
 }

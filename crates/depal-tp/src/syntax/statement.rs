@@ -186,60 +186,6 @@ impl Cursor<'_> {
         self.fail(message)
     }
 
-    /// A value without comparison: what stands around the `=` of SELECT.
-    pub fn unary_value(&mut self) -> Parsed<Expr> {
-        let start = self.span();
-        if self.accept("-") {
-            let inner = self.unary_value()?;
-            return Ok(Expr {
-                span: start.to(inner.span),
-                kind: match inner.kind {
-                    ExprKind::Number { value, is_real } => ExprKind::Number {
-                        value: -value,
-                        is_real,
-                    },
-                    kind => ExprKind::Negate(Box::new(Expr {
-                        kind,
-                        span: inner.span,
-                    })),
-                },
-            });
-        }
-        match self.peek() {
-            Some(Kind::Number { value, is_real }) => {
-                self.advance();
-                Ok(Expr {
-                    kind: ExprKind::Number {
-                        value: *value,
-                        is_real: *is_real,
-                    },
-                    span: start,
-                })
-            }
-            Some(Kind::Text(text)) => {
-                self.advance();
-                Ok(Expr {
-                    kind: ExprKind::Text(text.clone()),
-                    span: start,
-                })
-            }
-            Some(Kind::Symbol("(")) => {
-                self.advance();
-                let inner = self.expression()?;
-                self.expect_closing(")", start)?;
-                Ok(inner)
-            }
-            _ if self.item_kind().is_some() => {
-                let item = self.item()?;
-                Ok(Expr {
-                    span: item.span,
-                    kind: ExprKind::Item(item),
-                })
-            }
-            _ => self.expected("a value"),
-        }
-    }
-
     /// `PR[...]`, `UFRAME[...]`: its index.
     pub fn register(&mut self, kind: ItemKind) -> Parsed<Expr> {
         let span = self.span();

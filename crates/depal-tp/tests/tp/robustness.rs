@@ -151,3 +151,16 @@ proptest! {
         survive(&text.into_iter().collect::<String>());
     }
 }
+
+/// A line as long as one likes is refused, not read to the end of the stack.
+#[test]
+fn very_many_signs_are_refused() {
+    for line in [
+        "SELECT {}R[1]=1,JMP LBL[1]",
+        "R[1]={}1",
+        "IF R[1]=(!{}1),JMP LBL[1]",
+    ] {
+        let line = line.replace("{}", &"-".repeat(200_000));
+        survive(&crate::fake_system::listing(&[&line], ""));
+    }
+}
