@@ -7,6 +7,7 @@ mod determinism;
 mod faults;
 mod interface;
 mod modules;
+mod moves;
 mod runner;
 mod scenes;
 mod siemens;
