@@ -237,6 +237,7 @@ impl VisionSide {
         events: &mut Vec<EventKind>,
     ) {
         if self.frame_faults.frame_is_empty() {
+            score.faults.insert("no_points".to_owned());
             picture.detection.boxes.clear();
             picture.base_from_boxes.clear();
             picture.cartons.clear();
