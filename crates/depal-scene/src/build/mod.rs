@@ -1,6 +1,5 @@
 //! From a scene to a cell: millimetres, degrees and names become the specifications of the rooms.
 
-mod calibration;
 mod gripper;
 mod hand_eye;
 mod plc;
@@ -178,7 +177,7 @@ impl Scene {
             base_from_camera,
             calibration: hand_eye::spec(self, &base_from_world)?,
             projects: vision::projects(self, &base_from_camera.inverse()),
-            interface: server::server(self, &workflow, calibration::poses(self, &arm, &start)),
+            interface: server::server(self, &workflow),
             workflow,
             port: self.interface.port,
             plc: self

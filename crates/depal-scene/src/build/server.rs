@@ -2,10 +2,9 @@
 
 use depal_frames::EulerConvention;
 use depal_interface::{
-    AsciiTerminator, BranchStep, CalibrationPose, Encoding, FaultScript, HexPlanCells,
-    HexReplyLength, IndexStep, OutputPort, ParameterRange, PointCell8, PortSettings, Profile,
-    ServerSettings, StateReply, Status, StepParameter, Variable, VariableKind, VisionProject,
-    VizProject,
+    AsciiTerminator, BranchStep, Encoding, FaultScript, HexPlanCells, HexReplyLength, IndexStep,
+    OutputPort, ParameterRange, PointCell8, PortSettings, Profile, ServerSettings, StateReply,
+    Status, StepParameter, Variable, VariableKind, VisionProject, VizProject,
 };
 use depal_time::SimDuration;
 use depal_workflow::{Project, Writable};
@@ -18,11 +17,7 @@ use crate::scene::Scene;
 use crate::vision::ProjectOutput;
 
 /// One port, and what the server must know of the projects.
-pub(super) fn server(
-    scene: &Scene,
-    workflow: &Project,
-    calibration: Vec<CalibrationPose>,
-) -> ServerSettings {
+pub(super) fn server(scene: &Scene, workflow: &Project) -> ServerSettings {
     let projects = scene.vision.project.iter().map(|project| VisionProject {
         id: i32::from(project.id),
         recipes: project.recipes.iter().map(|r| i32::from(r.id)).collect(),
@@ -54,9 +49,9 @@ pub(super) fn server(
             .collect(),
         variables: variables.collect(),
         property_config: scene.viz.property_config.clone().unwrap_or_default(),
-        calibration,
         faults: FaultScript::parse(&scene.interface.inject)
             .expect("the reader refuses wrong faults"),
+        ..ServerSettings::default()
     }
 }
 
