@@ -14,11 +14,15 @@ use serde_json::Value as Json;
 use crate::runner::{Finished, root, run_scene};
 
 fn scene(overrides: &[(&str, &str)]) -> Scene {
+    scene_of("calibration", overrides)
+}
+
+fn scene_of(name: &str, overrides: &[(&str, &str)]) -> Scene {
     let overrides: Vec<(String, String)> = overrides
         .iter()
         .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
         .collect();
-    let path = root().join("scenes/calibration.toml");
+    let path = root().join(format!("scenes/{name}.toml"));
     Scene::load_file(&path.to_string_lossy(), &overrides, None)
         .unwrap_or_else(|errors| panic!("{errors}"))
 }
@@ -154,7 +158,40 @@ fn without_pictures_the_old_pose_stays() {
 /// A client without a robot: it claims to be where it is sent.
 #[test]
 fn a_client_of_the_station_calibrates_as_well() {
-    let scene = scene(&[("interface.encoding", "ascii")]);
+    for name in ["calibration", "interface"] {
+        client_calibrates(&scene_of(name, &[("interface.encoding", "ascii")]));
+    }
+}
+
+/// There is no board: the robot hears it at once, and the log says why.
+#[test]
+fn without_a_calibration_set_up_701_is_refused() {
+    let spec = scene_of("demo", &[("interface.encoding", "ascii")])
+        .cell_spec()
+        .unwrap();
+    let at_once = Arc::new(|errand: Errand| errand());
+    let mut station = Station::new(spec, || 0.0, at_once).unwrap();
+    let (port, client) = (PortId(0), ConnectionId(1));
+    station.connect(port, client);
+    let request = "701,0,1500,0,1500,180,0,180,0,-20,20,0,90,0\r";
+    station.receive(port, client, request.as_bytes());
+    station.advance_waiting(station.tick() + 10);
+    let reply = station.poll_reply().expect("an answer");
+    assert_eq!(reply.bytes, b"701,7001\r");
+    let mut said = Vec::new();
+    while let Some((_, event)) = station.poll_event() {
+        if let EventKind::Message { text } = event.kind {
+            said.push(text);
+        }
+    }
+    assert!(
+        said.iter()
+            .any(|text| text.contains("no calibration is set up")),
+        "{said:?}"
+    );
+}
+
+fn client_calibrates(scene: &Scene) {
     let spec = scene.cell_spec().unwrap();
     let port = PortId(0);
     let poses = spec.interface.calibration.clone();
@@ -188,7 +225,7 @@ fn a_client_of_the_station_calibrates_as_well() {
         {
             let logged = base_from_camera.expect("a camera that stands still");
             let pose = pose(logged.xyz_mm, logged.quat_wxyz);
-            found.push((corner_error_mm(&scene, &pose), error_mm));
+            found.push((corner_error_mm(scene, &pose), error_mm));
         }
     }
     assert_eq!(found.len(), 1);

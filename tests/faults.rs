@@ -44,10 +44,16 @@ fn a_refusal_reaches_the_program() {
         assert!(detail.contains(&said), "{faults}: {detail}");
         assert_eq!(status_count(&finished, 1100), 0, "{faults}");
         assert_eq!(status_count(&finished, status), 1, "{faults}");
+        let told: Vec<&String> = finished.outcome.score.faults.iter().collect();
+        assert!(
+            matches!(told.as_slice(), [only] if faults.starts_with(only.as_str())),
+            "{faults}: {told:?}"
+        );
     }
     // A fault whose occasion does not come changes nothing.
     let finished = run("no_points@pick=2; status=1019@command=102,n=2; camera_lost@t=2min");
     assert_eq!(finished.outcome.end, EndState::Finished);
+    assert!(finished.outcome.score.faults.is_empty());
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod faults;
 mod interface;
 mod meshes;
 mod modules;
+mod moves;
 mod runner;
 mod scenes;
 mod siemens;

@@ -20,6 +20,19 @@ impl Observer for Log {
     fn on_capture(&mut self, _: &CaptureView<'_>) {}
 }
 
+/// Where the arm stood: seconds and radians, 25 times a simulated second.
+#[derive(Default)]
+pub struct Postures(pub Vec<(f64, Vec<f64>)>);
+
+impl Observer for Postures {
+    fn on_event(&mut self, _: &Event) {}
+    fn on_snapshot(&mut self, snapshot: &Snapshot) {
+        let joints = snapshot.joints.iter().copied().collect();
+        self.0.push((snapshot.time.as_secs_f64(), joints));
+    }
+    fn on_capture(&mut self, _: &CaptureView<'_>) {}
+}
+
 /// A finished run.
 pub struct Finished {
     pub outcome: RunOutcome,
@@ -36,14 +49,21 @@ pub fn root() -> PathBuf {
 
 /// Runs a loaded scene to its end.
 pub fn run_scene(scene: &Scene) -> Finished {
+    watch_scene(scene).0
+}
+
+/// The same, with where the arm stood.
+pub fn watch_scene(scene: &Scene) -> (Finished, Postures) {
     let built = scene.build().unwrap_or_else(|error| panic!("{error}"));
     let cell = Cell::new(built.spec, built.task, || 0.0).unwrap_or_else(|error| panic!("{error}"));
     let mut log = Log::default();
-    let outcome = cell.run(&mut [&mut log], |_| {});
-    Finished {
+    let mut postures = Postures::default();
+    let outcome = cell.run(&mut [&mut log, &mut postures], |_| {});
+    let finished = Finished {
         outcome,
         log: log.0,
-    }
+    };
+    (finished, postures)
 }
 
 /// Runs the demo with some keys changed.

@@ -34,6 +34,7 @@ pub mod score;
 pub mod spec;
 mod standing;
 pub mod station;
+mod surroundings;
 pub mod truth;
 mod vision_side;
 mod waypoints;

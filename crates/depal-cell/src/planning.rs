@@ -1,8 +1,9 @@
 //! Between vision, planner and server: what one says in the words of the next.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
-use depal_frames::{BoxSize, JointPositions, Pose};
+use depal_frames::{BoxSize, JointPositions, Point, Pose};
 use depal_interface::{CustomPort, Motion, PathPoint, Status, VisionMoveData};
 use depal_planner::{
     PickPlan, PlanRequest, PlannerSettings, Refusal, RejectReason, SeenBox, plan_pick,
@@ -13,6 +14,7 @@ use crate::event::{EventKind, FailureReason, LoggedPose, LoggedWaypoint, round};
 use crate::picture::Picture;
 use crate::score::Score;
 use crate::spec::CellSpec;
+use crate::surroundings::Surroundings;
 use crate::vision_side::results::custom_ports;
 
 /// Tool id of the gripper on the wire.
@@ -33,6 +35,8 @@ pub(crate) struct PlannedPick {
     pub(crate) carried: Option<Carried>,
     /// By truth: the cartons that are aimed at, by round.
     pub(crate) cartons: Vec<Vec<u32>>,
+    /// What stood around when it was planned.
+    pub(crate) surroundings: Arc<Surroundings>,
 }
 
 /// How a carton hangs on the gripper.
@@ -98,11 +102,14 @@ pub(crate) fn plan(
         }
     };
     all.custom_ports = own_data.iter().map(|port| named(&port.name)).collect();
+    let mut around = Surroundings::new(picture, &taken);
+    around.is_placed = place.is_some();
     loop {
         let left: Vec<usize> = (0..picture.detection.boxes.len())
             .filter(|index| !taken.contains(index))
             .collect();
         if left.is_empty() && !all.detections.is_empty() {
+            all.surroundings = Arc::new(around);
             return Planned::Path(all);
         }
         let round = match plan_one(spec, picture, &left, start, pick, stopwatch, score, events) {
@@ -155,8 +162,10 @@ pub(crate) fn plan(
         }
         all.points.extend(points);
         taken.extend(&detections);
+        around.take(&detections, &round.carried);
         all.detections.extend(detections);
         if !pick.plans_all {
+            all.surroundings = Arc::new(around);
             return Planned::Path(all);
         }
         start = match all.points.len().checked_sub(2) {
@@ -185,23 +194,8 @@ fn plan_one(
     score: &mut Score,
     events: &mut Vec<EventKind>,
 ) -> Result<PickPlan, Refusal> {
-    let boxes: Vec<SeenBox> = left
-        .iter()
-        .map(|index| {
-            let found = &picture.detection.boxes[*index];
-            SeenBox {
-                base_from_box: picture.base_from_boxes[*index],
-                size: found.size,
-                confidence: found.confidence,
-            }
-        })
-        .collect();
-    let obstacle_points: Vec<_> = picture
-        .detection
-        .obstacle_points
-        .iter()
-        .map(|point| picture.base_from_camera * point)
-        .collect();
+    let boxes = seen_boxes(picture, left);
+    let obstacle_points = seen_points(picture);
     let settings = PlannerSettings {
         max_group: pick.max_group as usize,
         ..spec.planner.clone()
@@ -228,6 +222,25 @@ fn plan_one(
     );
     events.push(plan_event(spec, &plan, left));
     Ok(plan)
+}
+
+/// Some reports of a picture, for the planner.
+pub(crate) fn seen_boxes(picture: &Picture, numbers: &[usize]) -> Vec<SeenBox> {
+    let seen = numbers.iter().map(|index| {
+        let found = &picture.detection.boxes[*index];
+        SeenBox {
+            base_from_box: picture.base_from_boxes[*index],
+            size: found.size,
+            confidence: found.confidence,
+        }
+    });
+    seen.collect()
+}
+
+/// What a picture shows besides boxes, base frame.
+pub(crate) fn seen_points(picture: &Picture) -> Vec<Point> {
+    let points = picture.detection.obstacle_points.iter();
+    points.map(|point| picture.base_from_camera * point).collect()
 }
 
 /// The plan's waypoints as the server sends them.

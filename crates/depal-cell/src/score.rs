@@ -1,6 +1,6 @@
 //! What the run was worth: picks, losses, vision errors and interface counters, by truth.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use depal_time::{SimDuration, SimTime};
 
@@ -65,6 +65,8 @@ pub struct Score {
     pub found: u64,
     /// Reports without a carton behind them.
     pub false_picks: u64,
+    /// Scripted faults that struck, as the user wrote them, or the name of those of the camera; each once.
+    pub faults: BTreeSet<String>,
     /// Position errors of the matched reports, mm.
     pub pose_errors_mm: Vec<f64>,
     /// Angle errors of the matched reports, degrees.

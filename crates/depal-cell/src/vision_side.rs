@@ -190,6 +190,7 @@ impl VisionSide {
             }
         }
         while let Some(entry) = self.server.poll_log() {
+            score.faults.extend(entry.faults);
             let from = match entry.direction {
                 Direction::Received => {
                     *score.commands.entry(entry.command).or_insert(0) += 1;
@@ -308,6 +309,7 @@ impl VisionSide {
             match work {
                 Work::Computing { .. } => {}
                 Work::Exposure { owner, .. } if self.frame_faults.camera_is_lost(now) => {
+                    score.faults.insert("camera_lost".to_owned());
                     self.lose_camera(now, owner, events);
                 }
                 Work::Exposure {

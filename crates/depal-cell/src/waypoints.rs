@@ -19,6 +19,31 @@ pub(crate) struct Joined {
     pub(crate) custom_ports: Vec<CustomPort>,
     /// What the plans aim at, by round.
     pub(crate) aims: Vec<Aim>,
+    /// Where each waypoint comes from.
+    pub(crate) origins: Vec<Origin>,
+}
+
+/// Where a waypoint comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// A move of the project's own.
+    Move {
+        /// The step.
+        step: i32,
+        /// It puts a carton on its place of a pattern.
+        is_place: bool,
+        /// It waits for the waypoint after it: the way towards something.
+        is_approach: bool,
+    },
+    /// A plan's.
+    Planned {
+        /// The Vision Move step.
+        step: i32,
+        /// Index of the piece.
+        piece: usize,
+        /// Index in the plan.
+        index: usize,
+    },
 }
 
 /// A waypoint, or a move that waits for the one after it.
@@ -43,9 +68,14 @@ pub(crate) fn join(
     let mut slots: Vec<Slot> = Vec::new();
     let mut before = *start;
     let mut carried: Option<Carried> = None;
-    for piece in pieces {
+    for (index, piece) in pieces.iter().enumerate() {
         let next = match piece {
-            Piece::Planned { plan, .. } => {
+            Piece::Planned { plan, step } => {
+                let (step, piece) = (*step, index);
+                let count = plan.points.len();
+                joined
+                    .origins
+                    .extend((0..count).map(|index| Origin::Planned { step, piece, index }));
                 carried = plan.carried;
                 joined.rounds.extend(plan.rounds.iter().cloned());
                 for port in &plan.custom_ports {
@@ -70,6 +100,11 @@ pub(crate) fn join(
             }
             Piece::Move(next) => next,
         };
+        joined.origins.push(Origin::Move {
+            step: next.step,
+            is_place: matches!(next.target, Target::Carton(_)),
+            is_approach: is_approach(next),
+        });
         let pose = match &next.target {
             Target::Joints(joints) => {
                 if joints.len() != start.len() || !spec.arm.within_limits(joints) {
@@ -126,24 +161,25 @@ pub(crate) fn end_of(
     start: &JointPositions,
     pieces: &[Piece<PlannedPick>],
 ) -> Result<JointPositions, Status> {
-    let waits = |piece: &Piece<PlannedPick>| {
-        matches!(
-            piece,
-            Piece::Move(Move {
-                target: Target::Relative {
-                    reference: Reference::Next,
-                    ..
-                },
-                ..
-            })
-        )
-    };
+    let waits =
+        |piece: &Piece<PlannedPick>| matches!(piece, Piece::Move(next) if is_approach(next));
     let count = pieces
         .iter()
         .rposition(|piece| !waits(piece))
         .map_or(0, |last| last + 1);
     let joined = join(spec, start, &pieces[..count])?;
     Ok(joined.points.last().map_or(*start, |point| point.joints))
+}
+
+/// Whether a move waits for the waypoint after it.
+fn is_approach(next: &Move) -> bool {
+    matches!(
+        next.target,
+        Target::Relative {
+            reference: Reference::Next,
+            ..
+        }
+    )
 }
 
 fn tool(spec: &CellSpec, joints: &JointPositions) -> Pose {

@@ -24,7 +24,11 @@ pub(crate) enum Calibration {
 impl Session {
     pub(crate) fn calibrate(&mut self, request: &Calibrate) -> Reply {
         let refuse = |status| Reply::status(701, status);
-        if !(0..=2).contains(&request.state) || self.calibration_poses.is_empty() {
+        if self.calibration_poses.is_empty() {
+            self.jobs.push_back(Job::NoCalibration { port: self.port });
+            return refuse(Status::CalibrationParameter);
+        }
+        if !(0..=2).contains(&request.state) {
             return refuse(Status::CalibrationParameter);
         }
         let Some(joints_deg) = request.joints_deg else {

@@ -109,6 +109,11 @@ pub enum Job {
         /// Its joints, radians.
         joints: JointPositions,
     },
+    /// Command 701 came although no calibration is set up; it was refused.
+    NoCalibration {
+        /// Port that asked.
+        port: PortId,
+    },
     /// A branch step that waits may go on.
     SetBranch {
         /// The run.

@@ -26,6 +26,8 @@ pub struct LogEntry {
     pub command: i32,
     /// Status code of a reply.
     pub status: Option<i32>,
+    /// The scripted faults that hit a reply, as the user wrote them.
+    pub faults: Vec<String>,
     /// The message as comma-separated text with a few words, shortened to about 200 characters.
     pub text: String,
 }

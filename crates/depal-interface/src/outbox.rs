@@ -32,6 +32,8 @@ pub(crate) struct Held {
     pub(crate) outgoing: Outgoing,
     /// What the log says when it leaves; only the first piece of a reply is told of.
     text: Option<String>,
+    /// The scripted faults that hit it.
+    faults: Vec<String>,
 }
 
 impl Session {
@@ -83,7 +85,7 @@ impl Session {
                 closes: true,
                 ..whole
             };
-            self.hold(now + fate.delay, nothing, Some(text));
+            self.hold(now + fate.delay, nothing, Some(text), causes);
         } else if fate.splits {
             let mut due = now + fate.delay;
             let mut text = Some(text);
@@ -92,27 +94,39 @@ impl Session {
                     bytes: bytes.to_vec(),
                     ..whole.clone()
                 };
-                self.hold(due, piece, text.take());
+                self.hold(due, piece, text.take(), std::mem::take(&mut causes));
                 due += TICK;
             }
         } else {
-            self.hold(now + fate.delay, whole, Some(text));
+            self.hold(now + fate.delay, whole, Some(text), causes);
         }
         self.release(now);
     }
 
-    fn hold(&mut self, due: SimTime, outgoing: Outgoing, text: Option<String>) {
+    fn hold(
+        &mut self,
+        due: SimTime,
+        outgoing: Outgoing,
+        text: Option<String>,
+        faults: Vec<String>,
+    ) {
         self.held.push(Held {
             due,
             outgoing,
             text,
+            faults,
         });
     }
 
     /// Lets go what is due, in the order in which it was answered.
     pub(crate) fn release(&mut self, now: SimTime) {
         while let Some(place) = self.held.iter().position(|h| h.due <= now) {
-            let Held { outgoing, text, .. } = self.held.remove(place);
+            let Held {
+                outgoing,
+                text,
+                faults,
+                ..
+            } = self.held.remove(place);
             if let Some(text) = text {
                 let status = outgoing.status.map(Status::code);
                 self.record(
@@ -123,6 +137,9 @@ impl Session {
                     status,
                     text,
                 );
+                if let Some(entry) = self.log.back_mut() {
+                    entry.faults = faults;
+                }
             }
             self.replies.push_back(outgoing);
         }

@@ -57,7 +57,7 @@ pub struct Session {
     job_count: u32,
     pub(crate) jobs: VecDeque<Job>,
     pub(crate) replies: VecDeque<Outgoing>,
-    log: VecDeque<LogEntry>,
+    pub(crate) log: VecDeque<LogEntry>,
 }
 
 #[derive(Debug, Clone)]
@@ -366,6 +366,7 @@ impl Session {
             direction,
             command,
             status,
+            faults: Vec::new(),
             text,
         });
     }

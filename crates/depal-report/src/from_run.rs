@@ -22,6 +22,7 @@ impl RunTotals {
             wall_time_s,
             state_hash: outcome.state_hash.clone(),
             ended_because: format!("{}: {}", outcome.end.name(), outcome.end_detail),
+            faults: score.faults.iter().cloned().collect(),
             boxes_total: score.fates.len() as u64,
             boxes_delivered: score.count(|fate| fate == CartonFate::Delivered) as u64,
             boxes_dropped: score.count(|fate| matches!(fate, CartonFate::Lost(_))) as u64,

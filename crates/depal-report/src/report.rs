@@ -45,6 +45,9 @@ pub struct Report {
     /// Why the run ended; for the summary, not in the JSON.
     #[serde(skip)]
     pub ended_because: String,
+    /// Scripted faults that struck; for the summary, not in the JSON.
+    #[serde(skip)]
+    pub faults: Vec<String>,
 }
 
 /// Where the cartons are at the end.
@@ -223,6 +226,7 @@ impl Report {
                 checks: Vec::new(),
             },
             ended_because: totals.ended_because.clone(),
+            faults: totals.faults.clone(),
         };
         report.accept = judge(&report, limits);
         report

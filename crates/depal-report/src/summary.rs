@@ -56,11 +56,13 @@ const ADVICE: &[(&str, &str)] = &[
         "program_error",
         "the robot program stopped: depal check shows what is wrong with it",
     ),
-    (
-        "timeout",
-        "the run was too slow: raise run.max_sim_s or interface.timeout_s",
-    ),
+    ("timeout", "the run was too slow: raise run.max_sim_s"),
 ];
+
+/// Status codes by which the server says that a result came too late: of vision, and of the planning project.
+const LATE: [u32; 2] = [1019, 2025];
+const LATE_ADVICE: &str =
+    "a result came too late for the server: raise interface.timeout_s, or lower the latencies";
 
 /// A page for people: the verdict first, then the figures, then why picks failed and what to try.
 pub fn summary(report: &Report) -> String {
@@ -188,6 +190,12 @@ pub fn summary(report: &Report) -> String {
             format_args!("  ended       {}", report.ended_because),
         );
     }
+    if !report.faults.is_empty() {
+        line(
+            &mut page,
+            format_args!("  faults      {}, as injected", report.faults.join("; ")),
+        );
+    }
     if !report.accept.passed {
         for advice in advices(report, &reasons) {
             line(&mut page, format_args!("  try         {advice}"));
@@ -197,7 +205,16 @@ pub fn summary(report: &Report) -> String {
 }
 
 fn advices(report: &Report, reasons: &[(&String, &u64)]) -> Vec<&'static str> {
+    if !report.faults.is_empty() {
+        return vec!["without the injected faults: what went wrong may be their doing"];
+    }
+    let is_late = LATE
+        .iter()
+        .any(|status| report.interface.statuses.contains_key(status));
     let advice_for = |wanted: &str| {
+        if wanted == "timeout" && is_late {
+            return Some(LATE_ADVICE);
+        }
         let row = ADVICE.iter().find(|(reason, _)| *reason == wanted);
         row.map(|(_, advice)| *advice)
     };

@@ -94,6 +94,38 @@ fn pages_for_people() {
     insta::assert_snapshot!(pages.join("\n"));
 }
 
+/// A program that stops because the server timed out is not helped by a longer run, nor is one that was made to fail.
+#[test]
+fn a_timeout_is_told_by_its_cause() {
+    let stopped = |statuses: &[(u32, u64)], faults: &[&str]| {
+        let totals = RunTotals {
+            pick_failures: BTreeMap::from([("timeout".to_owned(), 1)]),
+            statuses: statuses.iter().copied().collect(),
+            faults: faults.iter().map(|fault| (*fault).to_owned()).collect(),
+            ..nothing_happened()
+        };
+        summary(&Report::new(&totals, &limits()))
+    };
+    let slow = stopped(&[], &[]);
+    assert!(
+        slow.contains("raise run.max_sim_s") && !slow.contains("faults"),
+        "{slow}"
+    );
+    let late = stopped(&[(1019, 1)], &[]);
+    assert!(late.contains("raise interface.timeout_s"), "{late}");
+    assert!(!late.contains("max_sim_s"), "{late}");
+    let injected = stopped(&[(1019, 1)], &["status=1019@command=102"]);
+    assert!(
+        injected.contains("  faults      status=1019@command=102, as injected\n"),
+        "{injected}"
+    );
+    assert!(
+        injected.contains("without the injected faults"),
+        "{injected}"
+    );
+    assert!(!injected.contains("raise"), "{injected}");
+}
+
 #[test]
 fn a_percentile_is_a_sample_by_nearest_rank() {
     // The worked example of the nearest-rank method: 30th, 40th, 50th, 100th percentile.

@@ -17,6 +17,8 @@ pub struct RunTotals {
     pub state_hash: String,
     /// Why the run ended, in a sentence; for people only.
     pub ended_because: String,
+    /// Scripted faults that struck; for people only.
+    pub faults: Vec<String>,
 
     /// Cartons at the start.
     pub boxes_total: u64,

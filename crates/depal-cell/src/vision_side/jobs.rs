@@ -102,6 +102,11 @@ impl VisionSide {
                     base_from_flange,
                     ..
                 } => self.calibration.ask(now, number, base_from_flange),
+                Job::NoCalibration { .. } => note(
+                    events,
+                    "command 701 is refused: no calibration is set up, the scene has no [calibration]"
+                        .to_owned(),
+                ),
                 Job::SetBranch { job_id, exit, .. } => {
                     let owner = Owner::Viz(job_id);
                     if let Some(run) = self.run_of(owner) {

@@ -11,6 +11,7 @@ use crate::picture::Picture;
 use crate::planning::{Planned, PlannedPick, Situation, plan};
 use crate::score::Score;
 use crate::spec::CellSpec;
+use crate::surroundings::check_path;
 use crate::waypoints::{Joined, end_of, join};
 
 impl VisionSide {
@@ -149,7 +150,7 @@ impl VisionSide {
                     self.server.notify(now, owner.job_id(), message);
                     ask
                 }
-                Ask::Done(pieces) => return self.finish(now, spec, owner, &pieces),
+                Ask::Done(pieces) => return self.finish(now, spec, owner, &pieces, events),
                 Ask::Failed(failure) => {
                     let status =
                         Status::from_code(failure.status_code()).unwrap_or(Status::VizRuntimeError);
@@ -166,22 +167,33 @@ impl VisionSide {
         spec: &CellSpec,
         owner: Owner,
         pieces: &[Piece<PlannedPick>],
+        events: &mut Vec<EventKind>,
     ) {
         let Some(run) = self.run_of(owner) else {
             return;
         };
-        let Joined {
-            points,
-            rounds,
-            custom_ports,
-            aims,
-        } = match join(spec, &run.start, pieces) {
+        let joined = match join(spec, &run.start, pieces) {
             Ok(joined) => joined,
             Err(status) => {
                 self.last_failure = Some(FailureReason::IkUnreachable);
                 return self.refuse(now, owner, status);
             }
         };
+        let picture = run.picture.as_ref().map(|picture| (picture, &run.taken));
+        if let Err(blocked) = check_path(spec, &run.start, pieces, &joined, picture) {
+            self.last_failure = Some(blocked.reason);
+            events.push(EventKind::PlanRefused {
+                reasons: vec![blocked.words],
+            });
+            return self.refuse(now, owner, blocked.status);
+        }
+        let Joined {
+            points,
+            rounds,
+            custom_ports,
+            aims,
+            ..
+        } = joined;
         let moves = points.iter().filter_map(|p| p.vision_move.as_ref());
         let picks: i32 = moves.map(|data| data.picked_now).sum();
         let run = self.end(owner);
@@ -226,6 +238,7 @@ impl VisionSide {
         events: &mut Vec<EventKind>,
     ) {
         if self.frame_faults.frame_is_empty() {
+            score.faults.insert("no_points".to_owned());
             picture.detection.boxes.clear();
             picture.base_from_boxes.clear();
             picture.cartons.clear();

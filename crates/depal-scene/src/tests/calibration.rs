@@ -65,10 +65,10 @@ fn poses_are_within_reach_in_view_and_spread() {
 
 #[test]
 fn what_cannot_be_calibrated_is_refused() {
-    // Without the section there is no board: command 701 has its dialogue and measures nothing.
+    // Without the section there is no board, and command 701 has nowhere to send the robot.
     let plain = Scene::demo(&[], None).unwrap().cell_spec().unwrap();
     assert!(plain.calibration.is_none());
-    assert!((3..=100).contains(&plain.interface.calibration.len()));
+    assert!(plain.interface.calibration.is_empty());
     // Out of reach.
     let far = scene(&[
         ("calibration.region_xyz_mm", "[6000, 0, 1500]"),

@@ -1,6 +1,5 @@
 //! The calibration of a scene: the board, and where command 701 sends the robot.
 
-mod dialogue;
 mod sight;
 
 use depal_cell::calibration::CalibrationSpec;
@@ -79,10 +78,10 @@ fn mismatch(key: &'static str, problem: &dyn std::error::Error) -> BuildError {
 
 /// Where 701 sends the robot: spread over the volume, within reach, the board in plain sight of camera
 /// and projector, tool and board above the stack there and on the joint moves between.
-/// Without a calibration those of the mere dialogue.
+/// Without a calibration none: the server then refuses 701.
 pub(super) fn poses(scene: &Scene, cell: &CellSpec) -> Result<Vec<CalibrationPose>, BuildError> {
     let (Some(calibration), Some(spec)) = (&scene.calibration, &cell.calibration) else {
-        return Ok(dialogue::poses(scene, &cell.arm, &cell.controller.start));
+        return Ok(Vec::new());
     };
     let sight = Sight::new(cell, spec, highest(cell, spec) + CLEARANCE);
     let (centre, half_extents) = volume(scene, calibration, cell, spec);
