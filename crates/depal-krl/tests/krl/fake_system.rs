@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::task::Poll;
 
-use depal_frames::{EulerConvention, JointPositions, Pose};
+use depal_frames::{EulerConvention, JointPositions, Point, Pose};
 use depal_krl::{SignalDefinition, SignalKind, load};
 use depal_time::{SimDuration, SimTime, TICK};
 use depal_vm::execution::{RobotTask, Step};
@@ -35,6 +35,8 @@ pub struct FakeSystem {
     pub answers: VecDeque<String>,
     pub joint_count: usize,
     pub last: Option<MoveRequest>,
+    /// Loads that the program told with its moves: of the tool (kg, m in the flange frame), or what was carried.
+    pub loads: Vec<String>,
 }
 
 impl Default for FakeSystem {
@@ -54,6 +56,7 @@ impl Default for FakeSystem {
             answers: VecDeque::new(),
             joint_count: 6,
             last: None,
+            loads: Vec::new(),
         }
     }
 }
@@ -226,6 +229,21 @@ impl System for FakeSystem {
         Ok(())
     }
 
+    fn set_tool_load(&mut self, load: Option<(f64, Point)>) {
+        let text = match load {
+            Some((mass, at)) => format!("tool {mass} at {:.3} {:.3} {:.3}", at.x, at.y, at.z),
+            None => "as set up".to_owned(),
+        };
+        if self.loads.last() != Some(&text) {
+            self.loads.push(text);
+        }
+    }
+
+    fn set_payload(&mut self, mass: f64, at: Point) {
+        let text = format!("carried {mass} at {:.3} {:.3} {:.3}", at.x, at.y, at.z);
+        self.loads.push(text);
+    }
+
     fn start_move(&mut self, request: &MoveRequest) -> Poll<Result<MoveId, Fault>> {
         self.start_move_with_events(request, &[])
     }
@@ -256,6 +274,7 @@ impl System for FakeSystem {
         let zone = match request.zone {
             MoveZone::Fine => "fine".to_owned(),
             MoveZone::Fly { tcp, .. } => format!("fly {:.1}", tcp * 1e3),
+            MoveZone::Blend { joints } => format!("blend {joints:.3}"),
         };
         let speed = match request.kind {
             MoveKind::Joint => format!("{:.2} of the joints", request.speed.joint_fraction),

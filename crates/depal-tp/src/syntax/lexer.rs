@@ -103,6 +103,9 @@ impl Lexer<'_> {
             } else if self.rest().starts_with("**") {
                 self.take_while(|c| c == '*');
                 self.push(Kind::Stars, start);
+            } else if self.rest().starts_with(".$") {
+                // A part of a system variable with an index: `$PLST_GRP1[1].$PAYLOAD`.
+                self.at += 1;
             } else if let Some(symbol) = SYMBOLS.iter().find(|s| self.rest().starts_with(**s)) {
                 self.symbol(symbol, diagnostics);
             } else {

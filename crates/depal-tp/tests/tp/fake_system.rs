@@ -4,7 +4,7 @@ use crate::vision::Vision;
 use std::collections::{BTreeMap, VecDeque};
 use std::task::Poll;
 
-use depal_frames::{JointPositions, Pose};
+use depal_frames::{JointPositions, Point, Pose};
 use depal_time::{SimDuration, SimTime, TICK};
 use depal_tp::{Options, Tasks, decimal, load, written_registers};
 use depal_vm::SourceFile;
@@ -34,6 +34,8 @@ pub struct FakeSystem {
     pub statements: usize,
     /// Where the arm is instead of the usual place.
     pub arm: Option<(JointPositions, Pose)>,
+    /// Loads that the program told with its moves: of the tool (kg, m in the flange frame), or what was carried.
+    pub loads: Vec<String>,
 }
 
 impl Default for FakeSystem {
@@ -61,6 +63,7 @@ impl Default for FakeSystem {
             connecting_since: None,
             statements: 0,
             arm: None,
+            loads: Vec::new(),
         }
     }
 }
@@ -253,6 +256,21 @@ impl System for FakeSystem {
         Ok(())
     }
 
+    fn set_tool_load(&mut self, load: Option<(f64, Point)>) {
+        let text = match load {
+            Some((mass, at)) => format!("tool {mass} at {:.3} {:.3} {:.3}", at.x, at.y, at.z),
+            None => "as set up".to_owned(),
+        };
+        if self.loads.last() != Some(&text) {
+            self.loads.push(text);
+        }
+    }
+
+    fn set_payload(&mut self, mass: f64, at: Point) {
+        let text = format!("carried {mass} at {:.3} {:.3} {:.3}", at.x, at.y, at.z);
+        self.loads.push(text);
+    }
+
     fn start_move(&mut self, request: &MoveRequest) -> Poll<Result<MoveId, Fault>> {
         let open = self.moves.iter().filter(|end| **end > self.now).count();
         if open >= 3 {
@@ -274,6 +292,7 @@ impl System for FakeSystem {
         let zone = match request.zone {
             MoveZone::Fine => "fine".to_owned(),
             MoveZone::Fly { tcp, .. } => format!("fly {tcp:.4}"),
+            MoveZone::Blend { joints } => format!("blend {joints:.4}"),
         };
         self.note(format!(
             "line {} {:?} {target} at {:.3} m/s {zone} tool z {:.3}",
