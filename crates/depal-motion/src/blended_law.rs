@@ -38,12 +38,7 @@ impl BlendedPath {
     ///
     /// # Errors
     /// [`MotionError::Overload`] where the arm could hardly stand on the way.
-    pub fn loaded_time(
-        &self,
-        arm: &Arm,
-        tool: &Load,
-        load: &Load,
-    ) -> Result<f64, MotionError> {
+    pub fn loaded_time(&self, arm: &Arm, tool: &Load, load: &Load) -> Result<f64, MotionError> {
         if arm.torque_limits().is_none() {
             return Ok(self.time(arm.limits()));
         }

@@ -173,10 +173,7 @@ impl Cell {
     }
 
     /// Limits at the three places of the cell under these accelerations, and those of the torques.
-    fn limits<'a>(
-        &'a self,
-        acceleration: &'a JointPositions,
-    ) -> impl Iterator<Item = Limit> + 'a {
+    fn limits<'a>(&'a self, acceleration: &'a JointPositions) -> impl Iterator<Item = Limit> + 'a {
         let width = self.width();
         (0..acceleration.len())
             .flat_map(move |j| {

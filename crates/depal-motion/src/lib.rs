@@ -33,10 +33,16 @@
 //! Units and frames: SI, radians; joint order of the arm; TCP poses are `base_from_tcp`; times are seconds since
 //! the trajectory's own zero.
 //!
+//! A [`BlendedPath`] is a chain of joint moves whose corners are parabolas of a given size; its time is worked out without
+//! a trajectory, for a planner that compares many. [`Zone::Blend`] has a trajectory fly the very same curve, and both go
+//! through the same passes, so that a time that is said is the time it takes.
+//! [`Trapezoid`] is the law of one straight move from stand to stand.
+//!
 //! Torques: where the arm's file has them (`effort` and masses), no axis is asked for more than its torque, with the
-//! load named to [`Trajectory::set_load`] and without it. A torque is linear in the path's acceleration and squared
-//! speed, as the accelerations of the joints are, so the same passes find the fastest law under it.
-//! An arm without torque limits moves as if none of this existed.
+//! load named to [`Trajectory::set_tool_and_load`] and with the tool alone. A torque is linear in the path's acceleration
+//! and squared speed, as the accelerations of the joints are, so the same passes find the fastest law under it.
+//! An arm without torque limits moves as if none of this existed. Torques do not count in [`BlendedPath::time`],
+//! [`BlendedPath::rough_time`], [`Trapezoid`] and [`slowest_joint_time`]; they do in [`BlendedPath::loaded_time`].
 //!
 //! Limitations: acceleration may step (no jerk limit); no friction or rotor inertia in torques; no servo lag;
 //! speed of the TCP is not limited in acceleration other than through the joints;

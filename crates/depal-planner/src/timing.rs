@@ -5,9 +5,7 @@ use std::sync::Arc;
 
 use depal_arm::Load;
 use depal_frames::{Point, Vector};
-use depal_motion::{
-    Interpolation, MotionError, Segment, SegmentTarget, Speed, Trajectory, Zone,
-};
+use depal_motion::{Interpolation, MotionError, Segment, SegmentTarget, Speed, Trajectory, Zone};
 
 pub(crate) use depal_motion::Trapezoid;
 

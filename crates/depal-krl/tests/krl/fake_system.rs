@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::task::Poll;
 
-use depal_frames::{EulerConvention, JointPositions, Pose};
+use depal_frames::{EulerConvention, JointPositions, Point, Pose};
 use depal_krl::load;
 use depal_syntax::SourceFile;
 use depal_time::{SimDuration, SimTime};
@@ -38,6 +38,8 @@ pub struct FakeSystem {
     pub answers: VecDeque<String>,
     pub joint_count: usize,
     pub last: Option<MoveRequest>,
+    /// Loads that the program told with its moves: of the tool (kg, m in the flange frame), or what was carried.
+    pub loads: Vec<String>,
 }
 
 impl Default for FakeSystem {
@@ -57,6 +59,7 @@ impl Default for FakeSystem {
             answers: VecDeque::new(),
             joint_count: 6,
             last: None,
+            loads: Vec::new(),
         }
     }
 }
@@ -193,6 +196,21 @@ impl System for FakeSystem {
         self.signal(name)?;
         self.changes.push((self.now + delay, name.into(), value));
         Ok(())
+    }
+
+    fn set_tool_load(&mut self, load: Option<(f64, Point)>) {
+        let text = match load {
+            Some((mass, at)) => format!("tool {mass} at {:.3} {:.3} {:.3}", at.x, at.y, at.z),
+            None => "as set up".to_owned(),
+        };
+        if self.loads.last() != Some(&text) {
+            self.loads.push(text);
+        }
+    }
+
+    fn set_payload(&mut self, mass: f64, at: Point) {
+        let text = format!("carried {mass} at {:.3} {:.3} {:.3}", at.x, at.y, at.z);
+        self.loads.push(text);
     }
 
     fn start_move(&mut self, request: &MoveRequest) -> Poll<Result<MoveId, Fault>> {

@@ -283,3 +283,33 @@ fn inline_forms_take_their_settings_from_the_data_of_the_point() {
     assert!(bare[1].contains("0.500 m/s fly 20.0"), "{bare:?}");
     assert!(bare[2].contains("3.000 m/s fine"), "{bare:?}");
 }
+
+/// `$LOAD` goes with each move; BAS and the inline forms take it from the data of the tool. Until something is said, and
+/// where the mass is negative, what the cabinet was set up with counts.
+#[test]
+fn the_load_reaches_the_cabinet() {
+    let statements = "PTP {A1 10}
+        $LOAD.M = 40.5
+        $LOAD.CM = {X 10.0, Y 0.0, Z 150.0, A 0.0, B 0.0, C 0.0}
+        PTP {A1 20}
+        TOOL_DATA[2] = {X 0.0, Y 0.0, Z 300.0, A 0.0, B 0.0, C 0.0}
+        LOAD_DATA[2].M = 62
+        LOAD_DATA[2].CM = {X 0.0, Y 0.0, Z 200.0, A 0.0, B 0.0, C 0.0}
+        BAS(#TOOL, 2)
+        PTP {A1 30}
+        BAS(#TOOL, 0)
+        PTP {A1 40}";
+    let mut system = FakeSystem::default();
+    let mut machine = machine(&[("main.src", &main_of("", statements))]);
+    let end = run(&mut machine, &mut system);
+    assert_eq!(end, depal_vm::execution::Step::Finished);
+    assert_eq!(
+        system.loads,
+        [
+            "as set up",
+            "tool 40.5 at 0.010 0.000 0.150",
+            "tool 62 at 0.000 0.000 0.200",
+            "as set up",
+        ]
+    );
+}

@@ -28,7 +28,9 @@ fn a_line_is_a_trapezoid() {
     assert!((far.time(&limits()) - 2.5).abs() < 1e-12);
     let near = BlendedPath::new(&[joints(0.0, 0.0), joints(0.48, 0.1)], &[0.0; 2]);
     assert!((near.time(&limits()) - 0.8).abs() < 1e-12);
-    assert!((slowest_joint_time(&limits(), &joints(0.0, 0.0), &joints(3.0, 1.0)) - 2.5).abs() < 1e-12);
+    assert!(
+        (slowest_joint_time(&limits(), &joints(0.0, 0.0), &joints(3.0, 1.0)) - 2.5).abs() < 1e-12
+    );
 }
 
 #[test]
@@ -306,6 +308,11 @@ fn a_law_without_torques_would_be_wrong() {
     assert!(without < 0.97 * flown, "{without} {flown}");
     let light = path.loaded_time(&weak, &Load::NONE, &load(5.0)).unwrap();
     assert!(light < 0.97 * said, "{light} {said}");
-    let error = path.loaded_time(&weak, &Load::NONE, &load(2000.0)).unwrap_err();
-    assert!(matches!(error, crate::MotionError::Overload { .. }), "{error}");
+    let error = path
+        .loaded_time(&weak, &Load::NONE, &load(2000.0))
+        .unwrap_err();
+    assert!(
+        matches!(error, crate::MotionError::Overload { .. }),
+        "{error}"
+    );
 }

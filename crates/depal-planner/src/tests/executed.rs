@@ -5,9 +5,7 @@ use std::task::Poll;
 
 use depal_arm::Load;
 use depal_controller::{Controller, ControllerEvent, ControllerSpec, NoNetwork};
-use depal_motion::{
-    BlendedPath, Interpolation, Segment, SegmentTarget, Speed, Trajectory, Zone,
-};
+use depal_motion::{BlendedPath, Interpolation, Segment, SegmentTarget, Speed, Trajectory, Zone};
 use depal_time::{RandomStream, SimTime, TICK};
 use depal_vm::execution::{RobotTask, RuntimeError, Step};
 use depal_vm::system::{
@@ -274,7 +272,9 @@ fn a_transfer_that_cannot_be_held_is_refused() {
     scene.load = load(2000.0);
     let refusal = plan_transfer(&scene, &start, &goal).unwrap_err();
     assert!(
-        refusal.reason.contains("N m to hold the arm with a load of 2000.0 kg"),
+        refusal
+            .reason
+            .contains("N m to hold the arm with a load of 2000.0 kg"),
         "{}",
         refusal.reason
     );

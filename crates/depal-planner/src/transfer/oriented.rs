@@ -46,13 +46,6 @@ impl Oriented {
         }
     }
 
-    pub fn grown(mut self, by: f64) -> Self {
-        for half in &mut self.half {
-            *half += by;
-        }
-        self
-    }
-
     /// Half extents of the box around it along the base's axes.
     pub fn extents(&self) -> [f64; 3] {
         let mut extents = [0.0; 3];
@@ -98,11 +91,13 @@ impl Oriented {
         relation
     }
 
+    /// Whether it meets the other one made thicker on every side by `padding`, m.
+    ///
     /// Separating axes: the faces of both and the products of their edges
     /// (S. Gottschalk, M. Lin, D. Manocha, "OBBTree", SIGGRAPH 1996).
-    pub fn meets(&self, other: &Self) -> bool {
+    pub fn meets(&self, other: &Self, padding: f64) -> bool {
         let Relation { at, cosines: c } = self.relation(other);
-        let (a, b) = (&self.half, &other.half);
+        let (a, b) = (&self.half, &other.half.map(|half| half + padding));
         let turned = magnitudes(&c);
         for i in 0..3 {
             if at[i].abs() > a[i] + dot(&turned[i], b) {

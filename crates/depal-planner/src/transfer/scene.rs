@@ -164,9 +164,7 @@ impl<'a> Scene<'a> {
 
     fn state(&self, joints: &JointPositions) -> State {
         let frames = self.arm.base_from_links(joints);
-        let place =
-            |b: &Body| Oriented::new(&(frames[b.link] * b.solid.frame_from_box), b.solid.half);
-        let boxes = self.bodies.iter().map(place).collect();
+        let boxes = self.bodies.iter().map(|b| b.placed(&frames)).collect();
         State { frames, boxes }
     }
 
@@ -178,17 +176,22 @@ impl<'a> Scene<'a> {
 
     /// The first contact at a state with bodies of one thickness, in a fixed order.
     pub fn contact(&self, joints: &JointPositions, thickness: usize) -> Option<Contact> {
-        let state = self.state(joints);
+        let mut state = State {
+            frames: self.arm.base_from_links(joints),
+            boxes: Vec::with_capacity(self.bodies.len()),
+        };
         let padding = PADDINGS.get(thickness).copied().unwrap_or(0.0);
-        for (body, (b, at)) in self.bodies.iter().zip(&state.boxes).enumerate() {
-            // The corner of a padded obstacle reaches out by the padding's diagonal.
-            let near = around(at, padding * 1.7321);
+        for (body, b) in self.bodies.iter().enumerate() {
+            let at = b.placed(&state.frames);
+            state.boxes.push(at);
             if !b.moves {
                 continue;
             }
+            // The corner of a padded obstacle reaches out by the padding's diagonal.
+            let near = around(&at, padding * 1.7321);
             for i in self.obstacles.tree.intersect_aabb(&near) {
                 let obstacle = i as usize;
-                if !at.meets(&self.obstacles.boxes[obstacle].grown(padding)) {
+                if !at.meets(&self.obstacles.boxes[obstacle], padding) {
                     continue;
                 }
                 let other = &self.obstacles.solids[obstacle];
@@ -200,10 +203,7 @@ impl<'a> Scene<'a> {
             }
         }
         for &(first, second) in &self.pairs {
-            if !state.boxes[first]
-                .grown(padding)
-                .meets(&state.boxes[second])
-            {
+            if !state.boxes[second].meets(&state.boxes[first], padding) {
                 continue;
             }
             let (a, b) = (&self.bodies[first].solid, &self.bodies[second].solid);
@@ -357,6 +357,14 @@ impl<'a> Scene<'a> {
 }
 
 impl Body {
+    /// The box around it with the links in these frames.
+    fn placed(&self, frames: &[Pose]) -> Oriented {
+        Oriented::new(
+            &(frames[self.link] * self.solid.frame_from_box),
+            self.solid.half,
+        )
+    }
+
     fn new(arm: &Arm, link: usize, placed: &PlacedShape) -> Self {
         let solid = Solid::new(placed);
         let at = Oriented::new(&solid.frame_from_box, solid.half);

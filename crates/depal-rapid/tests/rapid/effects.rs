@@ -291,3 +291,26 @@ fn a_vision_client_reads_its_list_and_moves() {
         "{silent}"
     );
 }
+
+/// The mass of the tool in use goes with each move, `GripLoad` comes on top of it.
+#[test]
+fn the_load_of_the_tool_and_the_grip_load_reach_the_cabinet() {
+    let text = MOVES.replace(
+        "SetGO go_zone, 5;",
+        "GripLoad [7,[0,10,120],[1,0,0,0],0,0,0];
+    MoveAbsJ home\\NoEOffs, v1000, z50, tool0;
+    GripLoad load0;",
+    );
+    let mut system = FakeSystem::default();
+    assert_eq!(run(&mut machine(&text), &mut system), Step::Finished);
+    assert_eq!(
+        system.loads,
+        [
+            "tool 20 at 0.000 0.000 0.100",
+            "carried 7 at 0.000 0.010 0.120",
+            "tool 0.0010000000474974513 at 0.000 0.000 0.000",
+            "carried 0.0010000000474974513 at 0.000 0.000 0.000",
+            "tool 20 at 0.000 0.000 0.100",
+        ]
+    );
+}

@@ -83,6 +83,9 @@ impl Lexer<'_> {
             } else if self.scanner.rest().starts_with("**") {
                 self.scanner.take_while(|c| c == '*');
                 self.push(Kind::Stars, start);
+            } else if self.scanner.rest().starts_with(".$") {
+                // A part of a system variable with an index: `$PLST_GRP1[1].$PAYLOAD`.
+                self.scanner.take(1);
             } else if let Some(symbol) = self.scanner.take_any(&SYMBOLS) {
                 self.symbol(symbol, start, diagnostics);
             } else {

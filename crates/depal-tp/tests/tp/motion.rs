@@ -284,3 +284,29 @@ fn values_out_of_range_are_errors() {
             .contains("CNT101")
     );
 }
+
+/// The payload schedule in use goes with each move; one without a mass leaves what the cabinet was set up with.
+#[test]
+fn the_payload_reaches_the_cabinet() {
+    let left = lines(&[
+        "J P[1] 50% FINE",
+        "$PLST_GRP1[2].$PAYLOAD=(62.5)",
+        "$PLST_GRP1[2].$PAYLOAD_Z=(20)",
+        "PAYLOAD[2]",
+        "J P[2] 50% FINE",
+        "$PLST_GRP1[2].$PAYLOAD=(50)",
+        "J P[1] 50% FINE",
+        "PAYLOAD[1]",
+        "J P[2] 50% FINE",
+    ]);
+    assert_eq!(left.end, "");
+    assert_eq!(
+        left.system.loads,
+        [
+            "as set up",
+            "tool 62.5 at 0.000 0.000 0.200",
+            "tool 50 at 0.000 0.000 0.200",
+            "as set up",
+        ]
+    );
+}

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::task::Poll;
 
-use depal_frames::{JointPositions, Pose};
+use depal_frames::{JointPositions, Point, Pose};
 use depal_time::{SimDuration, SimTime};
 
 use super::Timed;
@@ -57,6 +57,8 @@ pub struct RecordingCabinet<P> {
     pub statements: usize,
     /// Where the arm is instead of the usual place.
     pub arm: Option<(JointPositions, Pose)>,
+    /// Loads that the program told with its moves: of the tool (kg, m in the flange frame), or what was carried.
+    pub loads: Vec<String>,
 }
 
 impl<P: Peer> Default for RecordingCabinet<P> {
@@ -76,6 +78,7 @@ impl<P: Peer> Default for RecordingCabinet<P> {
             connecting_since: None,
             statements: 0,
             arm: None,
+            loads: Vec::new(),
         }
     }
 }
@@ -135,6 +138,21 @@ impl<P: Peer> System for RecordingCabinet<P> {
     ) -> Result<(), Fault> {
         self.changes.push((self.now + delay, name.into(), value));
         Ok(())
+    }
+
+    fn set_tool_load(&mut self, load: Option<(f64, Point)>) {
+        let text = match load {
+            Some((mass, at)) => format!("tool {mass} at {:.3} {:.3} {:.3}", at.x, at.y, at.z),
+            None => "as set up".to_owned(),
+        };
+        if self.loads.last() != Some(&text) {
+            self.loads.push(text);
+        }
+    }
+
+    fn set_payload(&mut self, mass: f64, at: Point) {
+        let text = format!("carried {mass} at {:.3} {:.3} {:.3}", at.x, at.y, at.z);
+        self.loads.push(text);
     }
 
     fn start_move(&mut self, request: &MoveRequest) -> Poll<Result<MoveId, Fault>> {

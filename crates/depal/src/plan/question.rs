@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use depal_arm::{Arm, ArmWarning, Load};
-use depal_frames::{JointPositions, PlacedShape, Point, Pose, Rotation, Vector, nalgebra::Quaternion};
+use depal_frames::{
+    JointPositions, PlacedShape, Point, Pose, Rotation, Vector, nalgebra::Quaternion,
+};
 use depal_planner::TransferScene;
 use serde_json::Value;
 
