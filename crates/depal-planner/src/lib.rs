@@ -20,6 +20,18 @@
 //! 5. Certificate: the chosen path once more with true bodies, by bisection on distance until nothing can touch between
 //!    two checked states. It yields [`PickPlan::min_clearance`].
 //!
+//! How candidates are ordered and reduced:
+//! - A layer is gone through twice: every group with its best grasps, then every group with the rest of them and the search.
+//!   A layer below is looked at only when this one has failed. The first group that has a way wins; what was turned down
+//!   before it stands in [`PickPlan::rejected`] in that order, and [`Refusal::NothingFits`] has them all.
+//! - In a group, equally good grasps, the turns at the place and all joints at both ends are one list by obstacle-free
+//!   time ([`PlannerSettings::attempts_per_grasp`] of it), each with the low lift and then with the high one; first one wins.
+//! - Such a list is tried by all threads of the rayon pool: the first candidate by itself, the others in batches of four.
+//!   A batch is reduced from its front: failures up to the first success count, everything after it is dropped, whichever
+//!   thread was done first. What always has to be known of all (reach and touches of grasps, both free moves of a way,
+//!   distances along it) is collected in its order. So plan, reasons and clearance have the same bits with any number of
+//!   threads, and a single thread does no more than it would alone.
+//!
 //! [`plan_transfer`] answers a narrower question for any arm: from one posture to another (or to a tool pose) among boxes,
 //! as fast as the limits of the arm allow. It tries the straight joint move, raised vias and a seeded search, bends the way
 //! by small changes while that saves time, flies its corners as parabolas, and proves it on the bare bodies.
