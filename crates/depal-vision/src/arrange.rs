@@ -3,23 +3,13 @@
 use depal_frames::BoxSize;
 
 use crate::{
+    cover::{Covering, cover},
     gate::DepthImage,
     ink::dark_sides,
-    patch::{BLOCK, Patch},
-    relief::Relief,
-    search::{Candidate, climb, extents, has_seam, measure},
+    patch::Patch,
+    search::Candidate,
 };
 
-/// Placements tried before giving up: far more than any sensible layer needs.
-const MOST_TRIES: usize = 4000;
-/// Readings compared before deciding.
-const MOST_READINGS: usize = 16;
-/// A reading is out of the question when its cartons are less plane than those of the best one by this
-/// share, and by this many times the mean of a block.
-const WORSE_SHARE: f64 = 0.01;
-const WORSE_BLOCKS: f64 = 30.0;
-/// Each carton more explains so many means of a block of noise, for its plane fits that as well.
-const OVERFIT_BLOCKS: f64 = 20.0;
 /// A carton may be as uneven as this share of the plane tolerance: 0.13 mm by default.
 const UNEVEN: f64 = 1.0 / 30.0;
 /// And as this multiple of the noise says.
@@ -65,43 +55,29 @@ pub fn arrange(
     beside: &[u32],
     image: &DepthImage,
 ) -> Option<Arrangement> {
-    let mut search = Cover {
-        patch,
-        sizes,
-        blocks: surface_blocks(patch),
-        relief: Relief::new(patch),
-        tries: 0,
-        least: None,
-        readings: Vec::new(),
-    };
-    let mut placed = fixed.to_vec();
-    search.descend(&mut placed, 0, Misfit::default());
-    if search.tries >= MOST_TRIES {
-        return None;
-    }
-    let least = search.least?;
+    let Covering {
+        least,
+        readings,
+        relief,
+    } = cover(patch, sizes, fixed)?;
     // Even the best reading leaves steps in the middle of cartons: the right one is not among them.
     let uneven = tolerance * UNEVEN;
-    let noise = lags(patch).iter().map(|&lag| search.relief.noise(lag));
+    let noise = lags(patch).iter().map(|&lag| relief.noise(lag));
     let most = MOST_NOISE * noise.fold(0.0, f64::max) + uneven * uneven;
     if least.squares > most * least.blocks as f64 {
         return None;
     }
-    let best_fitting = &search.readings.first()?.1;
-    let (squares, count) = search.relief.misfit(best_fitting);
-    let mean = least.squares / least.blocks.max(1) as f64;
-    let level = squares < UNLEVEL * mean * count as f64;
+    let as_one = relief.misfit(readings.first()?);
+    let level = as_one.squares < UNLEVEL * least.mean() * as_one.blocks as f64;
     let lead = if level {
         CLEAR_LEAD_WHEN_LEVEL
     } else {
         CLEAR_LEAD
     };
-    let mut unique = !level || search.readings.len() == 1;
-    let mut readings: Vec<Vec<Candidate>> = search
-        .readings
+    let mut unique = !level || readings.len() == 1;
+    let mut readings: Vec<Vec<Candidate>> = readings
         .into_iter()
-        .filter(|(misfit, _)| !least.rules_out(misfit))
-        .map(|(_, r)| r[fixed.len()..].to_vec())
+        .map(|r| r[fixed.len()..].to_vec())
         .filter(|r| !r.is_empty())
         .collect();
     // Lines in the intensity image are seams as well.
@@ -173,49 +149,23 @@ pub fn arrange(
     })
 }
 
-/// Middles of the blocks that are surface, row by row.
-fn surface_blocks(patch: &Patch) -> Vec<[usize; 2]> {
-    let (bx, by) = (patch.columns / BLOCK, patch.rows / BLOCK);
-    let mut blocks = Vec::new();
-    for j in 0..by {
-        for i in 0..bx {
-            let (i0, j0) = ((i * BLOCK) as isize, (j * BLOCK) as isize);
-            if patch.surface(i0, j0, i0 + BLOCK as isize, j0 + BLOCK as isize) > 0.9 {
-                blocks.push([i * BLOCK + BLOCK / 2, j * BLOCK + BLOCK / 2]);
-            }
-        }
-    }
-    blocks
-}
-
-/// True when a block belongs to one of the boxes, or to its rim.
-fn is_covered(block: &[usize; 2], boxes: &[Candidate]) -> bool {
-    boxes.iter().any(|b| {
-        (0..2).all(|k| block[k] + 5 >= b.first[k] && block[k] <= b.first[k] + b.cells[k] + 5)
-    })
-}
-
-/// Area of the surface that no box covers, square metres.
-pub fn uncovered(patch: &Patch, boxes: &[Candidate]) -> f64 {
-    let open = surface_blocks(patch)
-        .iter()
-        .filter(|block| !is_covered(block, boxes))
-        .count();
-    (open * BLOCK * BLOCK) as f64 * patch.pitch * patch.pitch
-}
-
 /// Distances in blocks over which noise is measured: that of a camera that smears goes on over many pixels.
 fn lags(patch: &Patch) -> &'static [usize] {
     if patch.is_smeared() { &[1, 2, 4] } else { &[1] }
 }
 
-/// Mean edge seen per box.
+/// Edge seen along the sides of the boxes, in sides per box. Counted by length: what is seen of the outline is then
+/// the same for all readings of it, and only seams between boxes make one better.
 fn merit(boxes: &[Candidate]) -> f64 {
-    boxes
-        .iter()
-        .map(|b| b.sides.iter().sum::<f64>())
-        .sum::<f64>()
-        / boxes.len().max(1) as f64
+    let (mut seen, mut whole) = (0.0, 0.0);
+    for b in boxes {
+        for (side, share) in b.sides.iter().enumerate() {
+            let length = b.cells[1 - side / 2] as f64;
+            seen += share * length;
+            whole += length;
+        }
+    }
+    4.0 * seen / f64::max(whole, 1.0)
 }
 
 fn alike(a: &Candidate, b: &Candidate) -> bool {
@@ -316,149 +266,4 @@ pub fn touches(b: &Candidate, other: &Candidate, side: usize, pitch: f64) -> boo
     let high = (b.first[across] + b.cells[across]).min(other.first[across] + other.cells[across]);
     distance.abs() <= reach
         && high.saturating_sub(low) * 3 >= b.cells[across].min(other.cells[across])
-}
-
-/// How little plane the cartons of a reading are.
-#[derive(Debug, Clone, Copy, Default)]
-struct Misfit {
-    squares: f64,
-    blocks: usize,
-    cartons: usize,
-}
-
-impl Misfit {
-    /// True when another reading, or the part of one, is out of the question beside this one.
-    fn rules_out(&self, other: &Self) -> bool {
-        let mean = self.squares / self.blocks.max(1) as f64;
-        let fewer = self.cartons as f64 - other.cartons as f64;
-        let limit = self.squares * (1.0 + WORSE_SHARE)
-            + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean;
-        other.squares > limit
-    }
-}
-
-struct Cover<'a> {
-    patch: &'a Patch,
-    sizes: &'a [BoxSize],
-    blocks: Vec<[usize; 2]>,
-    relief: Relief,
-    tries: usize,
-    /// The best complete reading so far.
-    least: Option<Misfit>,
-    readings: Vec<(Misfit, Vec<Candidate>)>,
-}
-
-impl Cover<'_> {
-    /// `from`: all blocks before it are covered. The first uncovered block (lowest row, then
-    /// column) holds the low corner of some box. The most plane box is tried first.
-    fn descend(&mut self, placed: &mut Vec<Candidate>, from: usize, misfit: Misfit) {
-        if self.tries >= MOST_TRIES || self.least.is_some_and(|l| l.rules_out(&misfit)) {
-            return;
-        }
-        let Some(next) = (from..self.blocks.len()).find(|&b| !is_covered(&self.blocks[b], placed))
-        else {
-            if self.least.is_none_or(|l| misfit.squares < l.squares) {
-                self.least = Some(misfit);
-            }
-            self.readings.push((misfit, placed.clone()));
-            self.readings
-                .sort_by(|a, b| a.0.squares.total_cmp(&b.0.squares));
-            self.readings.truncate(MOST_READINGS);
-            return;
-        };
-        let corner = self.corner(self.blocks[next], placed);
-        let mut options: Vec<(Misfit, Candidate)> = Vec::new();
-        for label in 0..self.sizes.len() {
-            for turned in [false, true] {
-                let size = &self.sizes[label];
-                if turned && size.length - size.width < self.patch.pitch {
-                    continue;
-                }
-                let cells = extents(size, turned).map(|s| (s / self.patch.pitch).round() as usize);
-                if cells.iter().any(|&n| n < 24) {
-                    continue;
-                }
-                self.tries += 1;
-                if let Some(candidate) = self.place(corner, label as u32, turned, cells, placed) {
-                    let (squares, blocks) = self.relief.misfit(&[candidate]);
-                    let alone = Misfit {
-                        squares,
-                        blocks,
-                        cartons: 1,
-                    };
-                    options.push((alone, candidate));
-                }
-            }
-        }
-        let mean = |m: &Misfit| m.squares / m.blocks.max(1) as f64;
-        options.sort_by(|a, b| mean(&a.0).total_cmp(&mean(&b.0)));
-        for (more, candidate) in options {
-            placed.push(candidate);
-            let together = Misfit {
-                squares: misfit.squares + more.squares,
-                blocks: misfit.blocks + more.blocks,
-                cartons: misfit.cartons + more.cartons,
-            };
-            self.descend(placed, next, together);
-            placed.pop();
-        }
-    }
-
-    /// The low corner of the box that holds a block: down and left until the surface or the free
-    /// space ends.
-    fn corner(&self, block: [usize; 2], placed: &[Candidate]) -> [usize; 2] {
-        let taken = |i: isize, j: isize| {
-            placed.iter().any(|p| {
-                let inside = |k: usize, v: isize| {
-                    v >= p.first[k] as isize && v < (p.first[k] + p.cells[k]) as isize
-                };
-                inside(0, i) && inside(1, j)
-            })
-        };
-        let (mut i, mut j) = (block[0] as isize, block[1] as isize);
-        while i > 0
-            && !taken(i - 1, block[1] as isize)
-            && self.patch.surface(i - 1, j - 2, i, j + 3) > 0.5
-        {
-            i -= 1;
-        }
-        let column = block[0] as isize;
-        while j > 0
-            && !taken(column, j - 1)
-            && self.patch.surface(column - 2, j - 1, column + 3, j) > 0.5
-        {
-            j -= 1;
-        }
-        [i as usize, j as usize]
-    }
-
-    fn place(
-        &self,
-        corner: [usize; 2],
-        label: u32,
-        turned: bool,
-        cells: [usize; 2],
-        placed: &[Candidate],
-    ) -> Option<Candidate> {
-        const WHOLE: f64 = 0.96;
-        // Well above what lone holes add to a line, or a row of boxes would drift with the noise.
-        const LEAST_GAIN: f64 = 0.04;
-        let exact = measure(self.patch, label, turned, corner, cells, WHOLE);
-        // The corner may be a cell or two off; edges that are seen settle it.
-        let start = exact.or_else(|| {
-            let inward = corner.map(|c| c + 1);
-            measure(self.patch, label, turned, inward, cells, WHOLE)
-        })?;
-        let moved = climb(self.patch, start, WHOLE, LEAST_GAIN);
-        let near = (0..2).all(|k| moved.first[k].abs_diff(start.first[k]) <= 4);
-        let candidate = if near && moved.score > start.score + 0.15 {
-            moved
-        } else {
-            start
-        };
-        let clear = placed
-            .iter()
-            .all(|p| p.overlap(&candidate) < 0.04 && candidate.overlap(p) < 0.04);
-        (clear && !has_seam(self.patch, &candidate)).then_some(candidate)
-    }
 }

@@ -25,7 +25,7 @@
 //! 3. `components`: connected pieces. `plane`: a plane is affine in inverse depth.
 //! 4. `orientation`, `patch`: each piece resampled in its own axes, with running sums.
 //! 5. `search`: rectangles of the known sizes whose sides show edges.
-//! 6. `arrange`: surfaces without visible gaps are covered exactly by the known sizes; `relief`: of
+//! 6. `cover`: surfaces without visible gaps are covered exactly by the known sizes; `relief`, `arrange`: of
 //!    several such readings the one whose every carton is one plane.
 //!    `measure`: tops of unknown size, where all four sides fall away.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
@@ -65,6 +65,7 @@
 mod arrange;
 pub mod calibration;
 mod components;
+mod cover;
 mod detect;
 mod detection;
 mod gate;

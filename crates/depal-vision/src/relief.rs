@@ -1,5 +1,7 @@
 //! Heights of a surface without gaps: no two cartons lie quite level, and one carton is one plane.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::{
@@ -7,12 +9,25 @@ use crate::{
     search::Candidate,
 };
 
+/// Sums over blocks: count, i, j, ii, ij, jj, then height times 1, i, j and itself.
+type Sums = [f64; 10];
+
 /// Mean height of each block over the surface's plane, metres.
 pub struct Relief {
     columns: usize,
     rows: usize,
     /// `None` where little of the block is surface.
     heights: Vec<Option<f32>>,
+    /// Sums over all blocks below and left.
+    sums: Vec<Sums>,
+}
+
+/// How badly one plane explains the heights of some blocks.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PlaneMisfit {
+    /// Sum of squared distances, square metres.
+    pub squares: f64,
+    pub blocks: usize,
 }
 
 impl Relief {
@@ -20,7 +35,7 @@ impl Relief {
     pub fn new(patch: &Patch) -> Self {
         const LEAST: u32 = (BLOCK * BLOCK / 2) as u32;
         let (columns, rows) = (patch.columns / BLOCK, patch.rows / BLOCK);
-        let heights = patch
+        let heights: Vec<Option<f32>> = patch
             .heights
             .iter()
             .enumerate()
@@ -29,11 +44,55 @@ impl Relief {
                 (count >= LEAST).then(|| sum / count as f32)
             })
             .collect();
+        let mut sums = vec![[0.0; 10]; (columns + 1) * (rows + 1)];
+        for j in 0..rows {
+            let mut row = [0.0; 10];
+            for i in 0..columns {
+                if let Some(height) = heights[j * columns + i] {
+                    let (x, y, h) = (i as f64, j as f64, f64::from(height));
+                    let here = [1.0, x, y, x * x, x * y, y * y, h, x * h, y * h, h * h];
+                    for (sum, term) in row.iter_mut().zip(here) {
+                        *sum += term;
+                    }
+                }
+                let below = sums[j * (columns + 1) + i + 1];
+                sums[(j + 1) * (columns + 1) + i + 1] = std::array::from_fn(|k| below[k] + row[k]);
+            }
+        }
         Self {
             columns,
             rows,
             heights,
+            sums,
         }
+    }
+
+    /// The whole blocks of a candidate (columns, rows), a cell of margin left out, since it may be one off.
+    pub fn blocks_of(&self, candidate: &Candidate) -> [Range<usize>; 2] {
+        let range = |k: usize, count: usize| {
+            let first = (candidate.first[k] + 1).div_ceil(BLOCK);
+            let end = (candidate.first[k] + candidate.cells[k]).saturating_sub(1) / BLOCK;
+            let end = end.min(count);
+            first.min(end)..end
+        };
+        [range(0, self.columns), range(1, self.rows)]
+    }
+
+    /// Columns and rows of blocks.
+    pub fn size(&self) -> [usize; 2] {
+        [self.columns, self.rows]
+    }
+
+    fn sums_of(&self, candidate: &Candidate) -> Sums {
+        let [i, j] = self.blocks_of(candidate);
+        let at = |i: usize, j: usize| &self.sums[j * (self.columns + 1) + i];
+        let (a, b, c, d) = (
+            at(i.end, j.end),
+            at(i.start, j.end),
+            at(i.end, j.start),
+            at(i.start, j.start),
+        );
+        std::array::from_fn(|k| a[k] - b[k] - c[k] + d[k])
     }
 
     /// Variance of a block's height by noise, square metres, from how much blocks of a row `lag` apart bend.
@@ -55,39 +114,51 @@ impl Relief {
         *bends.select_nth_unstable_by(middle, f64::total_cmp).1 * PER_MEDIAN
     }
 
-    /// How badly one plane explains the heights within candidates: sum of squares over their whole
-    /// blocks, square metres, and the number of blocks.
-    pub fn misfit(&self, candidates: &[Candidate]) -> (f64, usize) {
-        // A cell of margin, since a candidate may be one off.
-        let range = |candidate: &Candidate, k: usize, count: usize| {
-            let first = (candidate.first[k] + 1).div_ceil(BLOCK);
-            let end = (candidate.first[k] + candidate.cells[k]).saturating_sub(1) / BLOCK;
-            first..end.min(count)
-        };
-        let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
-        let (mut squares, mut count) = (0.0, 0);
+    /// How badly one plane explains the heights within candidates: over their whole blocks.
+    pub fn misfit(&self, candidates: &[Candidate]) -> PlaneMisfit {
+        let mut sums = [0.0; 10];
         for candidate in candidates {
-            for j in range(candidate, 1, self.rows) {
-                for i in range(candidate, 0, self.columns) {
-                    let Some(height) = self.heights[j * self.columns + i] else {
-                        continue;
-                    };
-                    let at = Vector3::new(1.0, i as f64, j as f64);
-                    let height = f64::from(height);
-                    normal += at * at.transpose();
-                    right += at * height;
-                    squares += height * height;
-                    count += 1;
-                }
+            for (sum, more) in sums.iter_mut().zip(self.sums_of(candidate)) {
+                *sum += more;
             }
         }
-        if count < 6 {
-            return (0.0, 0);
-        }
-        let Some(factor) = normal.cholesky() else {
-            return (0.0, 0);
+        let [count, .., squares] = sums;
+        let Some(plane) = plane_of(&sums) else {
+            return PlaneMisfit::default();
         };
-        let explained = right.dot(&factor.solve(&right));
-        ((squares - explained).max(0.0), count)
+        let explained = plane[0] * sums[6] + plane[1] * sums[7] + plane[2] * sums[8];
+        PlaneMisfit {
+            squares: (squares - explained).max(0.0),
+            blocks: count as usize,
+        }
     }
+
+    /// Squared distance of each block within a candidate from the candidate's plane, square metres: (place in a
+    /// list row by row, square).
+    pub fn residuals(&self, candidate: &Candidate) -> Vec<(usize, f64)> {
+        let Some(plane) = plane_of(&self.sums_of(candidate)) else {
+            return Vec::new();
+        };
+        let [columns, rows] = self.blocks_of(candidate);
+        rows.flat_map(|j| columns.clone().map(move |i| (i, j)))
+            .filter_map(|(i, j)| {
+                let at = j * self.columns + i;
+                let off = f64::from(self.heights[at]?)
+                    - plane[0]
+                    - plane[1] * i as f64
+                    - plane[2] * j as f64;
+                Some((at, off * off))
+            })
+            .collect()
+    }
+}
+
+/// Height at the origin and per block along both axes; `None` of blocks too few or in a row.
+fn plane_of(sums: &Sums) -> Option<Vector3<f64>> {
+    let &[n, x, y, xx, xy, yy, h, xh, yh, _] = sums;
+    if n < 6.0 {
+        return None;
+    }
+    let factor = Matrix3::new(n, x, y, x, xx, xy, y, xy, yy).cholesky()?;
+    Some(factor.solve(&Vector3::new(h, xh, yh)))
 }

@@ -4,8 +4,9 @@ use depal_frames::{Intrinsics, Point, Vector};
 
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
-    arrange::{arrange, touches, uncovered},
+    arrange::{arrange, touches},
     components::Component,
+    cover::uncovered,
     gate::DepthImage,
     measure::measure_whole,
     orientation::{main_direction, outline},
