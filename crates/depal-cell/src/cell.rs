@@ -1,74 +1,37 @@
 //! The step loop: one clock, one fixed order.
 
 use depal_camera::{Material, RenderShape};
-use depal_controller::{Controller, ControllerEvent, ControllerState};
+use depal_controller::Controller;
 use depal_frames::{JointPositions, Pose};
 use depal_interface::plc_port;
-use depal_time::{SimDuration, SimTime, TICK};
+use depal_time::{SimTime, TICK};
 use depal_vm::execution::RobotTask;
 use depal_world::{VisibleKind, VisibleShape, World, WorldEvent};
 
 use crate::digest::Digest;
 use crate::error::CellError;
-use crate::event::{Event, EventKind, FailureReason, round};
+use crate::event::{Event, EventKind, round};
 use crate::gripper_io;
 use crate::link::Link;
-use crate::observer::{CartonView, CartonViewState, Observer, Snapshot};
+use crate::observer::Observer;
 use crate::picks::PickKeeper;
 use crate::picture::Seen;
 use crate::plc_link::PlcLink;
-use crate::score::{CartonFate, Score};
+use crate::score::Score;
 use crate::spec::CellSpec;
 use crate::standing::deviation;
-use crate::truth::TrueCarton;
 use crate::vision_side::VisionSide;
+
+mod ending;
+mod program;
+mod view;
+
+pub use ending::{EndState, RunOutcome};
 
 /// A snapshot goes to the observers every so many ticks: 25 a second.
 const SNAPSHOT_TICKS: u64 = 10;
 /// A state digest goes into the log every so many ticks: once a second.
 const DIGEST_TICKS: u64 = 250;
-/// After the program's end the belt may run on for this long, to carry out what lies on it.
-const RUN_OUT: SimDuration = SimDuration::from_millis(20_000);
-
-/// How a run ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EndState {
-    /// The program's entry routine returned.
-    Finished,
-    /// The program stopped itself.
-    Stopped,
-    /// The program failed with an error of its own.
-    Failed,
-    /// The scene's time limit passed.
-    TimeLimit,
-}
-
-impl EndState {
-    /// The name in logs and reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Finished => "finished",
-            Self::Stopped => "stopped",
-            Self::Failed => "failed",
-            Self::TimeLimit => "time_limit",
-        }
-    }
-}
-
-/// What a run came to.
-#[derive(Debug, Clone)]
-pub struct RunOutcome {
-    /// How it ended.
-    pub end: EndState,
-    /// In words.
-    pub end_detail: String,
-    /// Simulated time of the run.
-    pub sim_time: SimTime,
-    /// Digest over the whole run, 16 hexadecimal digits.
-    pub state_hash: String,
-    /// Picks, losses and vision errors.
-    pub score: Score,
-}
 
 /// The cell in motion.
 pub struct Cell {
@@ -270,18 +233,7 @@ impl Cell {
         }
         // 8. Log.
         if self.tick.is_multiple_of(DIGEST_TICKS) {
-            self.digest.add(self.world.state_hash());
-            for joint in joints.iter() {
-                self.digest.add(joint.to_bits());
-            }
-            for section in 0..self.spec.gripper.sections.len() {
-                let vacuum = self
-                    .world
-                    .gripper()
-                    .map_or(0.0, |g| g.section_vacuum(section));
-                self.digest.add(vacuum.to_bits());
-            }
-            self.digest.add(self.score.picks.len() as u64);
+            self.digest_state();
             self.pending.push(EventKind::StateHash {
                 hash: self.digest.hex(),
             });
@@ -343,132 +295,6 @@ impl Cell {
         }
     }
 
-    fn take_controller_events(&mut self) {
-        while let Some(event) = self.controller.poll_event() {
-            let kind = match event {
-                ControllerEvent::Statement { location, .. } => EventKind::ProgramLine {
-                    module: location.module,
-                    routine: location.routine,
-                    line: location.line,
-                },
-                ControllerEvent::SignalEdge { name, value, .. } => {
-                    EventKind::Signal { name, value }
-                }
-                ControllerEvent::MoveStarted { location, .. } => EventKind::MoveStarted {
-                    module: location.module,
-                    line: location.line,
-                },
-                ControllerEvent::CornerFailure { location, .. } => EventKind::CornerPathFailure {
-                    module: location.module,
-                    line: location.line,
-                },
-                ControllerEvent::Log { text, .. } => {
-                    self.last_message.clone_from(&text);
-                    EventKind::Message { text }
-                }
-                ControllerEvent::MotionStopped { reason, .. } => EventKind::Message {
-                    text: format!("motion stopped: {reason}"),
-                },
-                ControllerEvent::MotionHeld { .. } => EventKind::Message {
-                    text: "motion held on its path".to_owned(),
-                },
-                ControllerEvent::MotionResumed { .. } => EventKind::Message {
-                    text: "motion goes on".to_owned(),
-                },
-                ControllerEvent::Answered {
-                    instruction,
-                    text,
-                    answer,
-                    ..
-                } => EventKind::Message {
-                    text: format!("{instruction} {text}: answered {answer}"),
-                },
-                ControllerEvent::MoveReached { .. } | ControllerEvent::TaskEnded { .. } => continue,
-            };
-            self.pending.push(kind);
-        }
-    }
-
-    /// Whether the run is over, and how.
-    fn end(&mut self) -> Option<(EndState, String)> {
-        if self.program_end.is_none() {
-            let ended = match self.controller.state() {
-                ControllerState::Idle | ControllerState::Running => None,
-                ControllerState::Finished => {
-                    Some((EndState::Finished, "the program came to its end".to_owned()))
-                }
-                ControllerState::Stopped(reason) => {
-                    let at = self.controller.location().unwrap_or_default();
-                    let said = match self.last_message.as_str() {
-                        "" => String::new(),
-                        said => format!("; its last message: {said}"),
-                    };
-                    Some((
-                        EndState::Stopped,
-                        format!("{reason} at {}/{}:{}{said}", at.module, at.routine, at.line),
-                    ))
-                }
-                ControllerState::Failed(error) => {
-                    let place = error.call_stack.first().map_or(String::new(), |at| {
-                        format!("{}/{}:{}: ", at.module, at.routine, at.line)
-                    });
-                    Some((
-                        EndState::Failed,
-                        format!("{place}{}: {}", error.name, error.message),
-                    ))
-                }
-            };
-            self.program_end = ended.map(|(state, detail)| (self.now, state, detail));
-        }
-        if let Some((at, state, detail)) = &self.program_end {
-            let on_belt = self.score.count(|fate| fate == CartonFate::OnConveyor);
-            let settled = self.now - *at >= SimDuration::from_millis(500);
-            let is_over = on_belt == 0 && settled && !self.picks.awaits_stand();
-            if is_over || self.now - *at >= RUN_OUT {
-                return Some((*state, detail.clone()));
-            }
-        }
-        if self.now.as_nanos() >= self.spec.time_limit.as_nanos() {
-            let at = self.controller.location().unwrap_or_default();
-            return Some((
-                EndState::TimeLimit,
-                format!(
-                    "{:.0} s have passed; the program stands at {}/{}:{}",
-                    self.now.as_secs_f64(),
-                    at.module,
-                    at.routine,
-                    at.line
-                ),
-            ));
-        }
-        None
-    }
-
-    /// What ended the run before the pallet was empty.
-    fn run_failure(&self, end: EndState, detail: &str) -> Option<(FailureReason, String)> {
-        let left = self
-            .score
-            .count(|fate| matches!(fate, CartonFate::InCell | CartonFate::OnConveyor));
-        let reason = match end {
-            EndState::TimeLimit => FailureReason::Timeout,
-            _ if self.picks.collided() && end != EndState::Finished => FailureReason::Collision,
-            // A program that gives up after failed picks ended for their reason, not for one of its own.
-            EndState::Failed | EndState::Stopped => self
-                .score
-                .picks
-                .last()
-                .and_then(|(_, reason)| *reason)
-                .or_else(|| self.vision.dialogue_failure())
-                .unwrap_or(FailureReason::ProgramError),
-            EndState::Finished if left == 0 || self.spec.may_leave_cartons => return None,
-            EndState::Finished => self
-                .vision
-                .last_failure()
-                .unwrap_or(FailureReason::NoDetection),
-        };
-        Some((reason, format!("{left} cartons left; {detail}")))
-    }
-
     fn log(&mut self, observers: &mut [&mut dyn Observer]) {
         for kind in self.pending.drain(..) {
             let event = Event {
@@ -478,70 +304,6 @@ impl Cell {
             for observer in observers.iter_mut() {
                 observer.on_event(&event);
             }
-        }
-    }
-
-    /// Cartons that a camera could be asked to find: not held, not on the belt, not lost.
-    fn pickable_cartons(&self) -> Vec<TrueCarton> {
-        let held = self
-            .world
-            .gripper()
-            .map(depal_gripper::GripperState::held_cartons)
-            .unwrap_or_default();
-        self.world
-            .cartons()
-            .into_iter()
-            .filter(|carton| {
-                !held.contains(&carton.id.0)
-                    && self.score.fates.get(&carton.id.0) == Some(&CartonFate::InCell)
-            })
-            .map(|carton| TrueCarton {
-                id: carton.id.0,
-                world_from_centre: carton.world_from_centre,
-                size: [carton.size.length, carton.size.width, carton.size.height],
-            })
-            .collect()
-    }
-
-    fn snapshot(&self) -> Snapshot {
-        let joints = self.controller.commanded_joints();
-        let (world_from_links, world_from_tcp) = arm_poses(&self.spec, &joints);
-        let gripper = self.world.gripper();
-        let held = gripper
-            .map(depal_gripper::GripperState::held_cartons)
-            .unwrap_or_default();
-        let targets = self.vision.targets();
-        let cartons = self
-            .world
-            .cartons()
-            .into_iter()
-            .map(|carton| {
-                let id = carton.id.0;
-                let state = match self.score.fates.get(&id) {
-                    Some(CartonFate::Lost(_)) => CartonViewState::Lost,
-                    Some(CartonFate::OnConveyor | CartonFate::Placed) => CartonViewState::Placed,
-                    _ if held.contains(&id) => CartonViewState::Gripped,
-                    _ if targets.contains(&id) => CartonViewState::Target,
-                    _ => CartonViewState::Waiting,
-                };
-                CartonView {
-                    id,
-                    world_from_centre: carton.world_from_centre,
-                    size: [carton.size.length, carton.size.width, carton.size.height],
-                    state,
-                }
-            })
-            .collect();
-        Snapshot {
-            time: self.now,
-            joints,
-            world_from_links,
-            world_from_tcp,
-            section_vacuum: (0..self.spec.gripper.sections.len())
-                .map(|section| gripper.map_or(0.0, |g| g.section_vacuum(section)))
-                .collect(),
-            valves: self.last_valves.clone(),
-            cartons,
         }
     }
 }
