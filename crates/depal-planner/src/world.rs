@@ -154,9 +154,9 @@ pub(crate) fn meet(
     }
     let (around, other) = (&bounds.0.around, &bounds.1.around);
     if are_boxes {
-        return around.meets(other);
+        return around.meets(other, 0.0);
     }
-    around.grown(ROUNDING).meets(other) && solids_meet()
+    around.meets(other, ROUNDING) && solids_meet()
 }
 
 /// The same by the solids alone.
