@@ -91,7 +91,7 @@ pub(crate) fn check_path(
         return Ok(());
     }
     let mut from = *start;
-    for leg in legs(spec, pieces, joined, picture) {
+    for leg in legs(pieces, joined, picture) {
         let moves = given(joined, &leg);
         let Leg { points, around } = leg;
         let request = PlanRequest {
@@ -129,7 +129,6 @@ fn blocked(step: i32, refusal: MoveRefusal) -> Blocked {
 
 /// Each plan opens a leg; what comes before the first one belongs to it.
 fn legs(
-    spec: &CellSpec,
     pieces: &[Piece<PlannedPick>],
     joined: &Joined,
     picture: Option<(&Picture, &BTreeSet<usize>)>,
