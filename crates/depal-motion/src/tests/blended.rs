@@ -5,7 +5,7 @@ use depal_frames::{JointPositions, Point};
 use proptest::prelude::*;
 
 use super::arm;
-use crate::{BlendedPath, Trajectory, slowest_joint_time};
+use crate::{BlendedPath, Piece, Trajectory, slowest_joint_time};
 
 fn limits() -> Vec<JointLimit> {
     let limit = |max_speed, max_acceleration| JointLimit {
@@ -97,7 +97,7 @@ fn time_agrees_with_a_finely_cut_path() {
 
 /// Phase plane on a fine grid, with slopes by finite differences: backward, then forward, 4000 steps.
 fn brute_force(path: &BlendedPath, limits: &[JointLimit]) -> f64 {
-    let total: f64 = path.pieces().iter().map(|p| p.length()).sum();
+    let total: f64 = path.pieces().iter().map(Piece::length).sum();
     let at = |s: f64| {
         let mut rest = s.clamp(0.0, total);
         for piece in path.pieces() {
