@@ -44,7 +44,7 @@ fn the_next_pick_is_planned_while_the_arm_comes_back_from_the_place() {
     let moves = ahead.times(|event| event["event"] == "move_started");
     let releases = ahead.times(|event| event["name"] == "goVacuum" && event["value"] == 0.0);
     for (round, (&request, &path)) in ahead.requests().iter().zip(&paths).enumerate().skip(1) {
-        let released = releases.iter().filter(|&&time| time <= request).last();
+        let released = releases.iter().rfind(|&&time| time <= request);
         let released = released.expect("a carton is let go first");
         assert!(request - released < 0.02, "at the place, round {round}");
         // Up and home: two moves begin after the request; the third one is the new path's first.

@@ -69,33 +69,63 @@ fn bench_plan(criterion: &mut Criterion) {
             bencher.iter(|| plan_pick(&request));
         });
     }
-    // One picture, carton after carton: what is picked is gone for the next.
+    bench_picture(criterion, &arm, &gripper, &known, &place);
+}
+
+/// One picture, carton after carton: what is picked is gone for the next. By one thread, and by all;
+/// and a picture of which nothing can be had, where every candidate is tried to its end.
+fn bench_picture(
+    criterion: &mut Criterion,
+    arm: &Arm,
+    gripper: &GripperSpec,
+    known: &[PlacedShape],
+    place: &PlaceSpec,
+) {
+    let settings = PlannerSettings::default();
     let seen = cartons(1.1, 4);
+    let home = JointPositions::from_degrees(&[90.0, -20.0, 20.0, 0.0, 90.0, 0.0]);
+    let request = |boxes: &[SeenBox], known_obstacles: &[PlacedShape], start: JointPositions| {
+        let request = PlanRequest {
+            arm,
+            gripper,
+            boxes,
+            known_obstacles,
+            obstacle_points: &[],
+            start,
+            place,
+            settings: &settings,
+        };
+        plan_pick(&request)
+    };
     let picture = || {
-        let mut left = seen.clone();
-        let mut start = JointPositions::from_degrees(&[90.0, -20.0, 20.0, 0.0, 90.0, 0.0]);
+        let (mut left, mut start) = (seen.clone(), home);
         while !left.is_empty() {
-            let request = PlanRequest {
-                arm: &arm,
-                gripper: &gripper,
-                boxes: &left,
-                known_obstacles: &known,
-                obstacle_points: &[],
-                start,
-                place: &place,
-                settings: &settings,
-            };
-            let plan = plan_pick(&request).unwrap_or_else(|refusal| panic!("{refusal}"));
+            let plan = request(&left, known, start).unwrap_or_else(|refusal| panic!("{refusal}"));
             start = plan.waypoints[plan.waypoints.len() - 1].joints;
             left.remove(plan.box_index);
         }
     };
-    criterion.bench_function(
-        "plan a picture of 16 cartons, one after another",
-        |bencher| {
-            bencher.iter(picture);
-        },
-    );
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let one = one.expect("a thread");
+    let name = "plan a picture of 16 cartons, one after another";
+    criterion.bench_function(&format!("{name}, one thread"), |bencher| {
+        one.install(|| bencher.iter(picture));
+    });
+    criterion.bench_function(name, |bencher| bencher.iter(picture));
+    let roof = Pose::translation(1.7, 0.0, 1.25);
+    let mut roofed = known.to_vec();
+    roofed.push(PlacedShape::cuboid(roof, Vector::new(2.0, 2.0, 0.1)));
+    assert!(request(&seen, &roofed, home).is_err());
+    for (threads, pool) in [("one thread", Some(&one)), ("all threads", None)] {
+        let name = format!("refuse 16 cartons under a roof, {threads}");
+        criterion.bench_function(&name, |bencher| {
+            let mut refuse = || bencher.iter(|| request(&seen, &roofed, home));
+            match pool {
+                Some(pool) => pool.install(refuse),
+                None => refuse(),
+            }
+        });
+    }
 }
 
 criterion_group!(benches, bench_plan);

@@ -3,7 +3,10 @@ use depal_frames::{JointPositions, PlacedShape, Pose, convert};
 use depal_gripper::GripperSpec;
 use parry3d::{math::Pose as Pose32, shape::SharedShape};
 
-use crate::world::{Bounds, BoxAround, solid};
+use crate::{
+    bounds::{Bounds, BoxAround},
+    world::solid,
+};
 
 /// Group of the gripper and the carton: beyond the last joint's own link.
 const TOOL_GROUP: usize = 7;

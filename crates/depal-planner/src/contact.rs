@@ -3,8 +3,9 @@ use parry3d::math::Pose as Pose32;
 
 use crate::{
     bodies::{Body, Robot},
+    bounds::{Bounds, meet, solids_meet},
     refusal::{Obstacle, Stage, Touch},
-    world::{self, Bounds, World},
+    world::{self, World},
 };
 
 /// What is checked on one stretch of the way.
@@ -95,10 +96,9 @@ impl<'a> Check<'a> {
                 return None;
             }
             let (a, b) = (self.body(i), self.body(j));
-            let exactly =
-                || world::solids_meet(&a.pose(frames), &a.shape, &b.pose(frames), &b.shape);
+            let exactly = || solids_meet(&a.pose(frames), &a.shape, &b.pose(frames), &b.shape);
             let are_boxes = a.is_box() && b.is_box();
-            world::meet((&bounds[i], &bounds[j]), are_boxes, exactly)
+            meet((&bounds[i], &bounds[j]), are_boxes, exactly)
                 .then(|| self.says(a, self.link_of(b)))
         })
     }

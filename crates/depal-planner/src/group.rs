@@ -1,3 +1,5 @@
+//! Boxes that go together, and a layer's division into the fewest picks.
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use depal_frames::{BoxSize, Pose, Rotation, Vector};

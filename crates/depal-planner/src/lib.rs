@@ -60,6 +60,7 @@
 //! [`plan_transfer`] gives joint moves only and needs 1.5 mm of room at both ends.
 
 mod bodies;
+mod bounds;
 mod candidate;
 mod certificate;
 mod contact;

@@ -1,3 +1,5 @@
+//! The random search for a pick's free moves, where every template is blocked.
+
 use depal_frames::JointPositions;
 use depal_time::{RandomStream, RandomStreams};
 
