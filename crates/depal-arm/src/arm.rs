@@ -319,7 +319,7 @@ impl Arm {
     /// that the limits allow. Sorted by joint 1, then 2, and so on; empty when out of reach.
     /// At a singularity of the wrist one of the endless many is given.
     pub fn inverse(&self, base_from_flange: &Pose) -> Vec<JointPositions> {
-        let mut solutions = Vec::new();
+        let mut solutions = Vec::with_capacity(32);
         for branch in self.branches(base_from_flange, None) {
             self.add_turns(&branch, &mut solutions);
         }
@@ -393,35 +393,38 @@ impl Arm {
         }
     }
 
-    /// Adds `branch` with every combination of whole turns inside the limits; of more than [`MOST_TURNS`] joints at the
-    /// end of the arm get the turn next to zero only.
+    /// Adds `branch` with every combination of whole turns inside the limits. Beyond [`MOST_TURNS`] combinations the
+    /// joints that are left get the turn next to zero only.
     fn add_turns(&self, branch: &JointPositions, solutions: &mut Vec<JointPositions>) {
         use std::f64::consts::TAU;
-        let mut partial = vec![*branch];
+        let start = solutions.len();
+        solutions.push(*branch);
         for (joint, limit) in self.limits.iter().enumerate() {
-            let mut next = Vec::new();
-            for candidate in &partial {
-                let first = ((limit.lower - LIMIT_SLACK - candidate[joint]) / TAU).ceil() as i64;
-                let last = ((limit.upper + LIMIT_SLACK - candidate[joint]) / TAU).floor() as i64;
-                let next_to_zero = (-candidate[joint] / TAU).round() as i64;
-                let many = (last - first + 1) as usize * partial.len() > MOST_TURNS;
-                let (first, last) = match many && first <= last {
-                    true => (
-                        next_to_zero.clamp(first, last),
-                        next_to_zero.clamp(first, last),
-                    ),
-                    false => (first, last),
-                };
-                for turns in first..=last {
-                    let mut turned = *candidate;
-                    turned[joint] =
-                        (candidate[joint] + turns as f64 * TAU).clamp(limit.lower, limit.upper);
-                    next.push(turned);
+            let angle = branch[joint];
+            let mut first = ((limit.lower - LIMIT_SLACK - angle) / TAU).ceil() as i64;
+            let mut last = ((limit.upper + LIMIT_SLACK - angle) / TAU).floor() as i64;
+            if first > last {
+                solutions.truncate(start);
+                return;
+            }
+            let end = solutions.len();
+            if (last - first + 1) as usize * (end - start) > MOST_TURNS {
+                let next_to_zero = (-angle / TAU).round() as i64;
+                first = next_to_zero.clamp(first, last);
+                last = first;
+            }
+            let turned = |turns: i64| (angle + turns as f64 * TAU).clamp(limit.lower, limit.upper);
+            for turns in first + 1..=last {
+                for at in start..end {
+                    let mut other = solutions[at];
+                    other[joint] = turned(turns);
+                    solutions.push(other);
                 }
             }
-            partial = next;
+            for solution in &mut solutions[start..end] {
+                solution[joint] = turned(first);
+            }
         }
-        solutions.extend(partial);
     }
 }
 

@@ -152,10 +152,8 @@ impl Source {
         let mut is_robot = false;
         loop {
             let start = (reader.buffer_position() as usize).min(text.len());
-            line += text.as_bytes()[counted..start]
-                .iter()
-                .filter(|b| **b == b'\n')
-                .count();
+            let passed = text.get(counted..start).unwrap_or_default();
+            line += passed.matches('\n').count();
             counted = start;
             let event = reader
                 .read_event()
@@ -336,12 +334,11 @@ impl Source {
         needed: bool,
     ) -> Result<(), ArmError> {
         let Some(value) = value else {
-            return match needed {
-                true => {
-                    Err(self.malformed(line, element, format!("the attribute '{name}' is missing")))
-                }
-                false => Ok(()),
-            };
+            if needed {
+                let reason = format!("the attribute '{name}' is missing");
+                return Err(self.malformed(line, element, reason));
+            }
+            return Ok(());
         };
         let is_number = |word: &str| word.parse::<f64>().is_ok();
         let expected = match kind {

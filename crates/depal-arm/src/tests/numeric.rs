@@ -174,6 +174,29 @@ fn numeric_solutions_are_sorted_and_always_the_same() {
     assert!(arm.inverse(&far).is_empty());
 }
 
+/// Joints that turn many times do not make the list endless.
+#[test]
+fn whole_turns_are_listed_up_to_a_bound() {
+    let table = [
+        [0.3, 0.0, -90.0],
+        [0.0, 0.4, 0.0],
+        [0.0, 0.1, -90.0],
+        [0.4, 0.0, 90.0],
+        [0.0, 0.0, -90.0],
+        [0.1, 0.0, 0.0],
+    ];
+    let arm = from_table("turning", &table, &[3600.0; 6]);
+    assert_eq!(arm.warnings(), []);
+    let joints = depal_frames::JointPositions::from_degrees(&[10.0, 20.0, 30.0, 40.0, 50.0, 60.0]);
+    let found = arm.inverse(&arm.base_from_flange(&joints));
+    assert!(
+        found.len() > 1000 && found.len() <= 8 * 1024,
+        "{}",
+        found.len()
+    );
+    assert!(found.iter().any(|f| f.max_distance(&joints) < 1e-6));
+}
+
 #[test]
 fn seven_and_five_axes_say_what_they_give() {
     let seven = iiwa();
@@ -268,10 +291,13 @@ fn closed_forms_timed() {
         let poses: Vec<Pose> = (0..2000)
             .map(|_| arm.base_from_flange(&random_joints(&arm, &mut random)))
             .collect();
-        #[expect(clippy::disallowed_methods, reason = "a figure for people")]
-        let start = std::time::Instant::now();
-        let found: usize = poses.iter().map(|pose| arm.inverse(pose).len()).sum();
-        let us = start.elapsed().as_secs_f64() * 1e6 / 2000.0;
-        println!("{}: {us:.2} us, {found} solutions", arm.name());
+        let (mut least, mut found) = (f64::INFINITY, 0);
+        for _ in 0..10 {
+            #[expect(clippy::disallowed_methods, reason = "a figure for people")]
+            let start = std::time::Instant::now();
+            found = poses.iter().map(|pose| arm.inverse(pose).len()).sum();
+            least = least.min(start.elapsed().as_secs_f64() * 1e6 / 2000.0);
+        }
+        println!("{}: {least:.2} us, {found} solutions", arm.name());
     }
 }
