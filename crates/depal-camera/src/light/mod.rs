@@ -11,7 +11,6 @@ pub(crate) use patch::Patch;
 pub(crate) use pixels::LitTile;
 pub(crate) use plan::Plan;
 
-
 use crate::raster::TILE;
 use crate::view::Face;
 use crate::{CameraSpec, Rendering};

@@ -217,12 +217,16 @@ impl<'a> Sensor<'a> {
             self.draw_jitter(row);
             self.smooth
                 .image_row(v, &mut scratch.lattice, &mut row.smooth[..i.width]);
+            let patches = self.plan.patches(v);
             let mut done = 0;
-            for (tile, patch) in self.plan.patches(v).iter().enumerate() {
+            for (tile, _) in patches.iter().enumerate().filter(|(_, p)| !p.smooth) {
+                self.pick_rows(v, tile, &scratch.lit, &mut done, row);
+            }
+            for (tile, patch) in patches.iter().enumerate() {
                 if patch.smooth {
                     self.look_at_patch(v, tile, patch, row);
                 } else {
-                    self.look_at_pixels(v, tile, &scratch.lit, &mut done, row);
+                    self.pick_columns(tile, row);
                     self.blur_steps(v, tile, row);
                     self.blur_grey(v, tile, &scratch.lit, row);
                 }

@@ -51,10 +51,11 @@ impl Sensor<'_> {
         *chunk_mut(&mut row.keep, from) = [patch.keep; TILE];
     }
 
-    /// A row of another tile. Which row a pixel looks at is a matter of the pixel looked at, so that rows
-    /// and columns are picked one after the other. Rows are picked up to column `done`.
+    /// For another tile, the row that each of its pixels looks at, and of the pixels beside it, which it may
+    /// look at. Which row that is belongs to the pixel looked at, so that rows and columns are picked one
+    /// after the other. Up to column `done` it is picked already.
     #[inline(always)]
-    pub(super) fn look_at_pixels(
+    pub(super) fn pick_rows(
         &self,
         v: usize,
         tile: usize,
@@ -63,36 +64,37 @@ impl Sensor<'_> {
         row: &mut RowScratch,
     ) {
         let width = row.depth.len();
-        let from = tile * TILE;
-        let reach = self.jitter.len();
-        let (depth, packed) = lit.depth(v);
-        let (mut depth, mut packed) = (*chunk(depth, from), *chunk(packed, from));
-        if reach > 0 {
-            // The tile and `reach` more on each side, in pieces that may overlap.
-            let end = (from + TILE + reach).min(width);
-            let mut at = from.saturating_sub(reach).max(*done);
-            while at < end {
-                self.look_up_and_down(v, at.min(end - TILE), lit, row);
-                at += TILE;
-            }
-            *done = end;
-            let across = chunk(&row.across, from);
-            // The buffers start a tile before the row.
-            (depth, packed) = (*chunk(&row.between, from + TILE), *chunk(&row.packed, from + TILE));
-            for k in 1..=reach.min(TILE) {
-                let step = k as i32;
-                let (left, right) = (from + TILE - k, from + TILE + k);
-                let before = (chunk(&row.between, left), chunk(&row.packed, left));
-                pick(-step, across, before, (&mut depth, &mut packed));
-                let behind = (chunk(&row.between, right), chunk(&row.packed, right));
-                pick(step, across, behind, (&mut depth, &mut packed));
-            }
+        let (from, reach) = (tile * TILE, self.jitter.len());
+        // In pieces that may overlap.
+        let end = (from + TILE + reach).min(width);
+        let mut at = from.saturating_sub(reach).max(*done);
+        while at < end {
+            self.look_up_and_down(v, at.min(end - TILE), lit, row);
+            at += TILE;
         }
-        *chunk_mut(&mut row.depth, from) = depth;
+        *done = end;
+    }
+
+    /// What the pixels of such a tile look at.
+    #[inline(always)]
+    pub(super) fn pick_columns(&self, tile: usize, row: &mut RowScratch) {
+        let from = tile * TILE;
+        let across = chunk(&row.across, from);
+        // The buffers start a tile before the row.
+        let at = from + TILE;
+        let (mut depth, mut packed) = (*chunk(&row.between, at), *chunk(&row.packed, at));
+        for k in 1..=self.jitter.len().min(TILE) {
+            let step = k as i32;
+            let before = (chunk(&row.between, at - k), chunk(&row.packed, at - k));
+            pick(-step, across, before, (&mut depth, &mut packed));
+            let behind = (chunk(&row.between, at + k), chunk(&row.packed, at + k));
+            pick(step, across, behind, (&mut depth, &mut packed));
+        }
         let (mut sigma, mut keep) = ([0.0; TILE], [0; TILE]);
         for k in 0..TILE {
             (sigma[k], keep[k]) = unpack(packed[k]);
         }
+        *chunk_mut(&mut row.depth, from) = depth;
         *chunk_mut(&mut row.sigma, from) = sigma;
         *chunk_mut(&mut row.keep, from) = keep;
     }
