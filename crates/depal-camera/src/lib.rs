@@ -50,7 +50,7 @@ mod mounting;
 mod noise;
 mod raster;
 mod render;
-mod runs;
+mod row;
 mod sensor;
 mod shape;
 mod spec;

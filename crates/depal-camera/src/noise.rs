@@ -1,5 +1,7 @@
 //! Random numbers that depend on seed and place only, so order and threads do not matter.
 
+use crate::raster::TILE;
+
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// Bijective 64-bit finaliser (SplitMix64, Steele, Lea and Flood 2014).
@@ -97,10 +99,10 @@ pub(crate) fn normal(word: u32) -> f32 {
 }
 
 /// Whole steps of `sigma` times a normal number, from 16 bits: how many of these thresholds the
-/// upper 15 bits stay below.
+/// upper 15 bits stay below. Cut off at a tile's width.
 pub(crate) fn step_thresholds(sigma: f64) -> Vec<i32> {
-    (0..64)
-        .map(|k| (two_sided_tail((f64::from(k) + 0.5) / sigma.max(1e-9)) * 32768.0).round() as i32)
+    (0..TILE)
+        .map(|k| (two_sided_tail((k as f64 + 0.5) / sigma.max(1e-9)) * 32768.0).round() as i32)
         .take_while(|t| *t > 0)
         .collect()
 }

@@ -141,7 +141,8 @@ pub struct SensorSpec {
     pub correlated_share: f64,
     /// Length of that correlation, pixels; less than 2 acts as 2.
     pub correlation_px: usize,
-    /// Standard deviation of the nearest-neighbour sideways shift, pixels. 0 = off.
+    /// Standard deviation of the nearest-neighbour sideways shift, pixels, which is cut off at 16.
+    /// 0 = off.
     pub lateral_jitter_px: f64,
     /// Share of the pixels at a depth step that are lost. 0 = off.
     pub edge_dropout: f64,

@@ -6,16 +6,17 @@
 #![allow(missing_docs)] // criterion's macro makes a public function
 #![allow(clippy::disallowed_methods)] // a bench may read the clock
 
-use std::f64::consts::{PI, TAU};
+mod scene;
+
+use std::f64::consts::PI;
 use std::hint::black_box;
-use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use depal_camera::{
-    CameraSpec, Material, RenderMesh, RenderShape, SensorSpec, TriangleMesh, render_with_meshes,
-    sense_frame,
+    CameraSpec, RenderMesh, RenderShape, Rendering, SensorSpec, render_with_meshes, sense_frame,
 };
-use depal_frames::{Intrinsics, Point, Pose, Rotation, Shape, Vector};
+use depal_frames::{Pose, Rotation, Vector};
+use scene::{arm, camera, stack};
 
 fn frame(c: &mut Criterion) {
     let one_thread = rayon::ThreadPoolBuilder::new()
@@ -51,6 +52,9 @@ fn frame(c: &mut Criterion) {
                     });
                 });
             });
+            if width > 640 && !meshes.is_empty() {
+                one_thread.install(|| stages(&spec, &rendering));
+            }
             let mut shot = depal_camera::sense(&spec, &rendering, 1).frame;
             least_times(&format!("sensor {width}x{height}, arm of {name}"), || {
                 one_thread.install(|| sense_frame(&spec, black_box(&rendering), 1, &mut shot));
@@ -61,6 +65,61 @@ fn frame(c: &mut Criterion) {
                 });
             });
         }
+    }
+}
+
+/// What each term adds to the sensor's time: all terms against all but that one.
+fn stages(spec: &CameraSpec, rendering: &Rendering) {
+    let (all, none) = (spec.sensor, SensorSpec::ideal());
+    let terms = [
+        ("all terms", all),
+        ("no term", none),
+        (
+            "without shadow",
+            SensorSpec {
+                shadow: false,
+                ..all
+            },
+        ),
+        (
+            "without jitter",
+            SensorSpec {
+                lateral_jitter_px: 0.0,
+                ..all
+            },
+        ),
+        (
+            "without steps",
+            SensorSpec {
+                edge_dropout: 0.0,
+                mixed_pixels: 0.0,
+                ..all
+            },
+        ),
+        (
+            "without grazing",
+            SensorSpec {
+                grazing_start: none.grazing_start,
+                grazing_end: none.grazing_end,
+                ..all
+            },
+        ),
+        (
+            "without rounding",
+            SensorSpec {
+                quantum: 0.0,
+                ..all
+            },
+        ),
+        ("without lens", SensorSpec { blur: false, ..all }),
+    ];
+    let i = spec.intrinsics;
+    let mut shot = depal_camera::sense(spec, rendering, 1).frame;
+    for (name, sensor) in terms {
+        let spec = CameraSpec { sensor, ..*spec };
+        least_times(&format!("sensor {}x{}, {name}", i.width, i.height), || {
+            sense_frame(&spec, black_box(rendering), 1, &mut shot);
+        });
     }
 }
 

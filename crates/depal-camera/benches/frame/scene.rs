@@ -171,4 +171,3 @@ pub fn camera(width: usize, height: usize, sensor: SensorSpec) -> CameraSpec {
         sensor,
     }
 }
-

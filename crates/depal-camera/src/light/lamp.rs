@@ -47,7 +47,9 @@ pub(crate) struct Lamp {
     /// Least cosine to the projector.
     dark_cos: f32,
     /// sqrt of this times (distance to the projector / c1) is the factor of a weak signal.
-    weak: Option<f32>,
+    weak: f32,
+    /// Least and greatest of that factor.
+    factors: (f32, f32),
     /// Grey of a surface that the projector does not reach.
     pub ambient_grey: f32,
     /// Grey of a surface facing the projector at 1 m.
@@ -56,8 +58,10 @@ pub(crate) struct Lamp {
     /// Chance to be kept, 0..=4095.
     pub keep: u32,
     pub gloss: f32,
-    /// Where the chance of being lost starts and where it is certain, as cosines.
-    grazing: Option<(f32, f32)>,
+    /// Where the chance of being lost starts and where it is certain, as cosines; both 0 = nowhere.
+    grazing: (f32, f32),
+    /// At this cosine and above nothing is lost; more than 1 on glossy surfaces.
+    plain: f32,
 }
 
 /// A ray (x, y, 1) that meets a plane: 1/z there, and how far the plane lies before the camera (`k`)
@@ -92,6 +96,11 @@ impl Lamp {
         let ambient = s.ambient as f32;
         let keep = (1.0 - material.dropout).clamp(0.0, 1.0);
         let reach = (s.exposure_distance * s.exposure_distance) as f32;
+        let grazing = if s.grazing_end < std::f64::consts::FRAC_PI_2 {
+            (s.grazing_start.cos() as f32, s.grazing_end.cos() as f32)
+        } else {
+            (0.0, 0.0)
+        };
         Self {
             baseline: spec.baseline as f32,
             near: spec.near as f32,
@@ -99,14 +108,23 @@ impl Lamp {
             sigma: (s.axial_noise * material.noise_factor) as f32
                 / (NOISE_DISTANCE * NOISE_DISTANCE),
             dark_cos: s.dark_limit as f32 / albedo.max(1e-6),
-            weak: s.radiometric_noise.then(|| NOISE_SIGNAL / albedo.max(1e-6)),
+            weak: NOISE_SIGNAL / albedo.max(1e-6),
+            factors: if s.radiometric_noise {
+                SIGNAL_FACTORS
+            } else {
+                (1.0, 1.0)
+            },
             ambient_grey: 255.0 * albedo * ambient,
             grey: 255.0 * albedo * (1.0 - ambient) * reach,
             needs_light: s.shadow,
             keep: (keep * f64::from(KEEP_ALL)).round() as u32,
             gloss: material.gloss as f32,
-            grazing: (s.grazing_end < std::f64::consts::FRAC_PI_2)
-                .then(|| (s.grazing_start.cos() as f32, s.grazing_end.cos() as f32)),
+            grazing,
+            plain: if material.gloss > 0.0 {
+                f32::INFINITY
+            } else {
+                grazing.0
+            },
         }
     }
 
@@ -120,12 +138,10 @@ impl Lamp {
         let c1 = c1.max(0.0);
         let cos_light = c1 * per_d;
         let oblique = (1.0 / cos_view).min(MOST_OBLIQUE);
-        let weak = match self.weak {
-            Some(weak) => (weak / cos_light.max(1e-9))
-                .sqrt()
-                .clamp(SIGNAL_FACTORS.0, SIGNAL_FACTORS.1),
-            None => 1.0,
-        };
+        let weak = (self.weak / cos_light.max(1e-9))
+            .sqrt()
+            .max(self.factors.0)
+            .min(self.factors.1);
         let lost = (z < self.near)
             | (z > self.far)
             | (cos_light < self.dark_cos)
@@ -151,44 +167,38 @@ impl Lamp {
     /// corners is plain throughout.
     #[inline(always)]
     pub fn is_plain(&self, lit: &Lit) -> bool {
-        self.gloss == 0.0
-            && self
-                .grazing
-                .is_none_or(|(start, _)| self.least_cosine(lit) >= start)
+        self.least_cosine(lit) >= self.plain
     }
 
     #[inline(always)]
     fn least_cosine(&self, lit: &Lit) -> f32 {
-        if self.needs_light {
-            lit.cos_view.min(lit.cos_light)
-        } else {
-            lit.cos_view
-        }
+        let light = if self.needs_light { lit.cos_light } else { 1.0 };
+        lit.cos_view.min(light)
     }
 
-    /// Takes what is seen at a grazing angle or over-exposed; returns the chance to be kept.
+    /// Takes what is seen at a grazing angle; returns the chance to be kept.
     #[inline(always)]
-    pub fn take_lost(&self, hit: Hit, lit: &mut Lit) -> u32 {
-        let mut keep = self.keep;
-        if let Some((start, end)) = self.grazing {
-            let share = (self.least_cosine(lit) - end) / (start - end).max(1e-6);
-            if share <= 0.0 {
-                lit.depth = 0.0;
-            }
-            keep = (keep as i32 as f32 * share.clamp(0.0, 1.0)) as i32 as u32;
-        }
-        if self.gloss > 0.0 && lit.cos_light > 0.0 {
-            // Between the directions to camera and projector: v . l = (z ray^2 - x b) / (|ray| d).
-            let z = 1.0 / hit.w;
-            let ray2 = hit.x * hit.x + hit.yy;
-            let d = self.distance(z, hit.x, hit.yy);
-            let between = (z * ray2 - hit.x * self.baseline) / (ray2.sqrt() * d);
-            let half = (lit.cos_view + lit.cos_light) / (2.0 + 2.0 * between).max(1e-6).sqrt();
-            if half > LOBE_DEG.to_radians().cos() as f32 {
-                lit.depth = 0.0;
-                lit.grey += 255.0 * self.gloss;
-            }
-        }
-        keep
+    pub fn take_grazing(&self, lit: &mut Lit) -> u32 {
+        let (start, end) = self.grazing;
+        let share = (self.least_cosine(lit) - end) / (start - end).max(1e-6);
+        // Pushes the fraction out of the mantissa.
+        const SHIFT: f32 = 8_388_608.0; // 2^23
+        let on = start > 0.0;
+        lit.depth = if on & (share <= 0.0) { 0.0 } else { lit.depth };
+        let share = if on { share.max(0.0).min(1.0) } else { 1.0 };
+        (self.keep as i32 as f32 * share + SHIFT).to_bits() & KEEP_ALL
+    }
+
+    /// Whether the mirror image of the projector on a glossy surface blinds the camera.
+    #[inline(always)]
+    pub fn is_over_exposed(&self, hit: Hit) -> bool {
+        let lit = self.shine(hit);
+        // Between the directions to camera and projector: v . l = (z ray^2 - x b) / (|ray| d).
+        let z = 1.0 / hit.w;
+        let ray2 = hit.x * hit.x + hit.yy;
+        let d = self.distance(z, hit.x, hit.yy);
+        let between = (z * ray2 - hit.x * self.baseline) / (ray2.sqrt() * d);
+        let half = (lit.cos_view + lit.cos_light) / (2.0 + 2.0 * between).max(1e-6).sqrt();
+        (lit.cos_light > 0.0) & (half > LOBE_DEG.to_radians().cos() as f32)
     }
 }

@@ -2,15 +2,16 @@
 
 mod lamp;
 mod patch;
+mod pixels;
 mod plan;
 mod projector;
-mod span;
 
 pub(crate) use lamp::{KEEP_BITS, unpack};
 pub(crate) use patch::Patch;
+pub(crate) use pixels::LitTile;
 pub(crate) use plan::Plan;
-pub(crate) use span::LitRow;
 
+use crate::raster::TILE;
 use crate::view::Face;
 use crate::{CameraSpec, Rendering};
 use lamp::Lamp;
@@ -19,7 +20,7 @@ use lamp::Lamp;
 pub(crate) struct Lighting<'a> {
     spec: &'a CameraSpec,
     rendering: &'a Rendering,
-    /// X of the ray of each column.
+    /// X of the ray of each column, to the end of the last tile.
     columns: Vec<f32>,
     /// One for each solid, shapes first.
     lamps: Vec<Lamp>,
@@ -33,7 +34,7 @@ impl<'a> Lighting<'a> {
         Self {
             spec,
             rendering,
-            columns: (0..i.width)
+            columns: (0..i.width.next_multiple_of(TILE))
                 .map(|u| ((u as f64 - i.cx) / i.fx) as f32)
                 .collect(),
             lamps: shapes

@@ -1,7 +1,7 @@
 //! Tiles of a single flat face, lit throughout and seen squarely.
 
 use super::Lighting;
-use super::lamp::{Hit, Lit};
+use super::lamp::Hit;
 use crate::raster::{MIXED, TILE};
 use crate::view::BAND;
 
@@ -9,7 +9,8 @@ use crate::view::BAND;
 /// the corners and straight in between, which is right to (16 / f)^2 / 8 of the values that light takes.
 pub(crate) type Bilinear = [f32; 4];
 
-/// Corners of a tile: first, right, below, both.
+/// From the corners of a tile: first, right, below, both.
+#[inline(always)]
 fn bilinear([a, b, c, d]: [f32; 4]) -> Bilinear {
     let (across, down) = (1.0 / TILE as f32, 1.0 / BAND as f32);
     [
@@ -44,6 +45,14 @@ impl Patch {
         sigma: [0.0; 4],
         grey: [0.0; 4],
     };
+
+    /// Deviation and grey at the first pixel of row `r`, and their change per pixel.
+    #[inline(always)]
+    pub fn row(&self, r: usize) -> ((f32, f32), (f32, f32)) {
+        let down = r as i32 as f32;
+        let line = |[a, b, c, d]: [f32; 4]| (a + c * down, b + d * down);
+        (line(self.sigma), line(self.grey))
+    }
 }
 
 impl Lighting<'_> {
@@ -67,22 +76,24 @@ impl Lighting<'_> {
             x0 + TILE as f32 / i.fx as f32,
             y0 + BAND as f32 / i.fy as f32,
         );
-        let lit = |x: f32, y: f32| {
-            let w = -(nx * x + ny * y + nz) / k;
-            let yy = y * y + 1.0;
-            lamp.shine(Hit { w, x, yy, k, c1 })
-        };
-        let corners = [lit(x0, y0), lit(x1, y0), lit(x0, y1), lit(x1, y1)];
-        let good = |corner: &Lit| corner.depth > 0.0 && lamp.is_plain(corner);
-        if !corners.iter().all(good) {
+        let (x, y) = ([x0, x1, x0, x1], [y0, y0, y1, y1]);
+        let (mut sigma, mut grey, mut good) = ([0.0; 4], [0.0; 4], true);
+        for n in 0..4 {
+            let w = -(nx * x[n] + ny * y[n] + nz) / k;
+            let (x, yy) = (x[n], y[n] * y[n] + 1.0);
+            let lit = lamp.shine(Hit { w, x, yy, k, c1 });
+            (sigma[n], grey[n]) = (lit.sigma, lit.grey);
+            good &= (lit.depth > 0.0) & lamp.is_plain(&lit);
+        }
+        if !good {
             return Patch::ROUGH;
         }
         Patch {
             smooth: true,
             keep: lamp.keep,
             slope,
-            sigma: bilinear(corners.map(|corner| corner.sigma)),
-            grey: bilinear(corners.map(|corner| corner.grey)),
+            sigma: bilinear(sigma),
+            grey: bilinear(grey),
         }
     }
 

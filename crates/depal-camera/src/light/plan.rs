@@ -14,11 +14,19 @@ thread_local! {
     static STRIP: RefCell<Strip> = RefCell::default();
 }
 
+/// A rough tile is here or beside this one.
+const BESIDE: u8 = 1;
+/// A rough tile is above or below this one, or beside one of those.
+const ABOVE: u8 = 2;
+const BELOW: u8 = 4;
+
 /// The image in tiles.
 pub(crate) struct Plan {
     /// Tiles in a row of them.
     pub columns: usize,
     patches: Vec<Patch>,
+    /// For every tile, by whom it is looked at: [`BESIDE`], [`ABOVE`], [`BELOW`].
+    looked_at: Vec<u8>,
     /// For every image row and tile, bit k: pixel k is not reached by the projector.
     shade: Vec<u16>,
 }
@@ -31,6 +39,7 @@ impl Plan {
         let mut plan = Self {
             columns,
             patches: vec![Patch::ROUGH; columns * bands],
+            looked_at: vec![0; columns * bands],
             shade: vec![0; columns * bands * BAND],
         };
         let sensor = &lighting.spec.sensor;
@@ -55,7 +64,38 @@ impl Plan {
                     });
                 });
             });
+        plan.find_looks();
         plan
+    }
+
+    fn find_looks(&mut self) {
+        let columns = self.columns;
+        for (at, _) in self.patches.iter().enumerate().filter(|(_, p)| !p.smooth) {
+            let column = at % columns;
+            for beside in at - usize::from(column > 0)..=at + usize::from(column + 1 < columns) {
+                self.looked_at[beside] |= BESIDE;
+                if beside >= columns {
+                    self.looked_at[beside - columns] |= BELOW;
+                }
+                if let Some(below) = self.looked_at.get_mut(beside + columns) {
+                    *below |= ABOVE;
+                }
+            }
+        }
+    }
+
+    /// Who looks at the tiles that image row `v` runs through.
+    pub fn looked_at(&self, v: usize) -> &[u8] {
+        let band = v / BAND;
+        &self.looked_at[band * self.columns..(band + 1) * self.columns]
+    }
+
+    /// Who of them looks as far as row `v`, when it looks `margin` rows beyond its own.
+    pub fn looks(v: usize, margin: usize) -> u8 {
+        let row = v % BAND;
+        let above = if row < margin { ABOVE } else { 0 };
+        let below = if row + margin >= BAND { BELOW } else { 0 };
+        BESIDE | above | below
     }
 
     /// The tiles that image row `v` runs through.

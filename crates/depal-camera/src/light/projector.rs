@@ -7,6 +7,7 @@
 use depal_frames::Pose;
 
 use crate::raster::{EMPTY, MIXED, Seen, TILE, Target, Tile};
+use crate::row::chunk_or;
 use crate::view::{BAND, Grid, View};
 use crate::{CameraSpec, Rendering};
 
@@ -24,7 +25,7 @@ pub(super) struct Projector<'a> {
     nearest: f32,
 }
 
-/// A band of the projector's picture, and which camera tiles need a look at it.
+/// A band of the projector's picture, and what it means for the camera's tiles.
 #[derive(Default)]
 pub(super) struct Strip {
     inverse_depth: Vec<f32>,
@@ -32,7 +33,7 @@ pub(super) struct Strip {
     tiles: Vec<Tile>,
     /// First and last projector column of each camera tile.
     columns: Vec<(i32, i32)>,
-    /// No pixel of the camera tile can be in a shadow.
+    /// No pixel of the camera tile is in a shadow.
     reached: Vec<bool>,
 }
 
@@ -132,14 +133,17 @@ impl<'a> Projector<'a> {
             {
                 continue;
             }
-            strip.reached[column] = false;
             for k in range {
                 target.clear_if_unseen(k);
                 target.tiles[k].seen.most = target.tiles[k].seen.most.max(f32::MIN_POSITIVE);
             }
+            let mut hidden = 0;
             for row in 0..rows {
-                shade[row * tiles + column] = self.look(&target, row, column);
+                let pixels = self.look(&target, row, column);
+                shade[row * tiles + column] = pixels;
+                hidden |= pixels;
             }
+            strip.reached[column] = hidden == 0;
         }
     }
 
@@ -178,22 +182,28 @@ impl<'a> Projector<'a> {
         let at = (target.first_row + row) * width + start;
         let strip = row * target.width..(row + 1) * target.width;
         let depths = &target.inverse_depth[strip.clone()];
-        let mut own = [0.0_f32; TILE];
-        own[..count].copy_from_slice(&r.inverse_depth[at..at + count]);
-        let origin = (start as i32 - target.first_column) as f32 + 0.5;
+        let own: [f32; TILE] = chunk_or(&r.inverse_depth[at..at + count], 0, 0.0);
+        // Pushes the fraction out of the mantissa.
+        const SHIFT: f32 = 8_388_608.0; // 2^23
+        let origin = (start as i32 - target.first_column) as f32;
         let most = (target.width - 1) as f32;
-        let mut places = [0_i32; TILE];
+        let mut places = [0_u32; TILE];
         for k in 0..TILE {
             let place = origin + k as i32 as f32 - self.disparity * own[k];
-            places[k] = place.max(0.0).min(most) as i32;
+            places[k] = (place.max(0.0).min(most) + SHIFT).to_bits() & 0x7f_ffff;
         }
-        let mut hidden = 0_u16;
+        let mut others = [0.0_f32; TILE];
         for k in 0..TILE {
-            let (w, other) = (own[k], depths[places[k] as usize]);
+            others[k] = depths[places[k] as usize];
+        }
+        let mut bits = [0_u32; TILE];
+        for k in 0..TILE {
+            let (w, other) = (own[k], others[k]);
             // 1/w - 1/other > depth, without the divisions.
             let hides = (other - w > SHADOW_DEPTH * w * other) & (w > 0.0);
-            hidden |= u16::from(hides) << k;
+            bits[k] = u32::from(hides) << k;
         }
+        let mut hidden = bits.iter().fold(0, |all, bit| all | bit) as u16;
         let mut left = hidden;
         while left != 0 {
             let k = left.trailing_zeros() as usize;

@@ -92,7 +92,11 @@ impl Target<'_> {
     #[inline(always)]
     fn columns(&self, drawable: &Drawable, surface: &Surface) -> Option<(f64, f64)> {
         let first = drawable.columns.0.max(self.first_column);
-        let last = drawable.columns.1.min(self.first_column + self.width as i32) - 1;
+        let last = drawable
+            .columns
+            .1
+            .min(self.first_column + self.width as i32)
+            - 1;
         if first > last {
             return None;
         }

@@ -2,8 +2,8 @@
 
 use depal_frames::Vector;
 
-use super::quadratic::Quadratic;
 use super::flat::{Ramp, Spans};
+use super::quadratic::Quadratic;
 use super::{Surface, TILE, Target};
 use crate::surface::Round;
 use crate::view::{BAND, Drawable, Grid};

@@ -5,9 +5,10 @@ use std::cell::RefCell;
 use rayon::prelude::*;
 
 use super::bowl::Bowl;
-use crate::light::{LitRow, Lighting, Patch, Plan};
-use crate::noise::{Counter, LatticeRows, RowBits, SmoothNoise, draw_steps, step_thresholds};
+use crate::light::{Lighting, LitTile, Plan};
+use crate::noise::{Counter, LatticeRows, RowBits, SmoothNoise, step_thresholds};
 use crate::raster::TILE;
+use crate::row::chunk_mut;
 use crate::view::BAND;
 use crate::{CameraSpec, Rendering};
 
@@ -71,12 +72,12 @@ impl LitRows {
     }
 
     #[inline(always)]
-    fn row(&mut self, v: usize) -> LitRow<'_> {
-        let at = self.place(v);
-        LitRow {
-            depth: &mut self.depth[at.clone()],
-            packed: &mut self.packed[at.clone()],
-            grey: &mut self.grey[at],
+    fn tile(&mut self, v: usize, tile: usize) -> LitTile<'_> {
+        let at = self.place(v).start + tile * TILE;
+        LitTile {
+            depth: chunk_mut(&mut self.depth, at),
+            packed: chunk_mut(&mut self.packed, at),
+            grey: chunk_mut(&mut self.grey, at),
         }
     }
 }
@@ -87,10 +88,9 @@ struct Scratch {
     lit: LitRows,
     lattice: LatticeRows,
     row: RowScratch,
-    spans: Vec<(usize, usize)>,
 }
 
-/// One value per pixel of the row at hand.
+/// One value per pixel of the row at hand, to the end of the last tile.
 #[derive(Default)]
 pub(super) struct RowScratch {
     /// Correlated noise of variance one.
@@ -104,12 +104,9 @@ pub(super) struct RowScratch {
     pub keep: Vec<u32>,
     /// Grey before noise.
     pub grey: Vec<f32>,
-    /// Depth and deviation, or grey, on the way.
+    /// Depth and deviation of what stands above, below or at the pixel, a tile further on.
     pub between: Vec<f32>,
     pub packed: Vec<u32>,
-    /// More than one surface within 3x3.
-    pub border: Vec<u8>,
-    pub turns: Vec<u8>,
     /// Three random words.
     pub words: [Vec<u32>; 3],
 }
@@ -124,21 +121,19 @@ impl RowScratch {
             between,
             ..
         } = self;
-        for buffer in [smooth, depth, sigma, grey, between] {
+        for buffer in [smooth, depth, sigma, grey] {
             buffer.resize(width, 0.0);
         }
+        between.resize(width + 2 * TILE, 0.0);
+        self.packed.resize(width + 2 * TILE, 0);
         let [a, b, c] = &mut self.words;
-        for buffer in [&mut self.keep, &mut self.packed, a, b, c] {
+        for buffer in [&mut self.keep, a, b, c] {
             buffer.resize(width, 0);
         }
         for buffer in [&mut self.across, &mut self.down] {
             buffer.clear();
             buffer.resize(width, 0);
         }
-        self.border.resize(width, 0);
-        // One more at each end, which stays empty.
-        self.turns.clear();
-        self.turns.resize(width + 2, 0);
     }
 }
 
@@ -177,8 +172,9 @@ impl<'a> Sensor<'a> {
             .for_each(|(n, (depth, intensity))| {
                 SCRATCH.with_borrow_mut(|scratch| {
                     scratch.lattice.forget();
-                    scratch.row.fit(i.width);
-                    scratch.lit.fit(i.width, 2 * self.margin() + 1);
+                    let width = i.width.next_multiple_of(TILE);
+                    scratch.row.fit(width);
+                    scratch.lit.fit(width, 2 * self.margin() + 1);
                     let first = n * ROWS;
                     arch.dispatch(BandJob {
                         sensor: self,
@@ -210,7 +206,7 @@ impl<'a> Sensor<'a> {
         let rows = depth.chunks_mut(i.width).zip(intensity.chunks_mut(i.width));
         for (v, (depth_row, intensity_row)) in (first..end).zip(rows) {
             while lit_to < (v + margin + 1).min(i.height) {
-                self.light_row(lit_to, &mut scratch.spans, &mut scratch.lit);
+                self.light_row(lit_to, &mut scratch.lit);
                 lit_to += 1;
             }
             let row = &mut scratch.row;
@@ -218,25 +214,22 @@ impl<'a> Sensor<'a> {
             for words in &mut row.words {
                 bits.fill(words);
             }
-            if !self.jitter.is_empty() {
-                draw_steps(&self.jitter, &row.words[0], 16, &mut row.across);
-                draw_steps(&self.jitter, &row.words[0], 0, &mut row.down);
-            }
+            self.draw_jitter(row);
             self.smooth
-                .image_row(v, &mut scratch.lattice, &mut row.smooth);
+                .image_row(v, &mut scratch.lattice, &mut row.smooth[..i.width]);
             let patches = self.plan.patches(v);
-            let r = v % BAND;
-            for (column, patch) in patches.iter().enumerate() {
-                if patch.smooth {
-                    self.look_at_patch(v, r, column, patch, row);
-                }
+            let mut done = 0;
+            for (tile, _) in patches.iter().enumerate().filter(|(_, p)| !p.smooth) {
+                self.pick_rows(v, tile, &scratch.lit, &mut done, row);
             }
-            rough_spans(patches.iter().map(|p| !p.smooth), &mut scratch.spans);
-            for (from, to) in &scratch.spans {
-                let span = (*from, (*to).min(i.width));
-                self.look_at_pixels(v, span, &scratch.lit, row);
-                self.blur_steps(v, span, row);
-                self.blur_grey(v, span, &scratch.lit, row);
+            for (tile, patch) in patches.iter().enumerate() {
+                if patch.smooth {
+                    self.look_at_patch(v, tile, patch, row);
+                } else {
+                    self.pick_columns(tile, row);
+                    self.blur_steps(v, tile, row);
+                    self.blur_grey(v, tile, &scratch.lit, row);
+                }
             }
             self.measure(v, row, depth_row);
             self.expose(row, intensity_row);
@@ -245,32 +238,20 @@ impl<'a> Sensor<'a> {
 
     /// Lights what rough tiles look at in an image row.
     #[inline(always)]
-    fn light_row(&self, v: usize, spans: &mut Vec<(usize, usize)>, lit: &mut LitRows) {
-        let i = &self.rendering.intrinsics;
-        let margin = self.margin();
-        let above = self.plan.patches(v.saturating_sub(margin));
-        let here = self.plan.patches(v);
-        let below = self.plan.patches((v + margin).min(i.height - 1));
-        let looked_at = |((a, h), b): ((&Patch, &Patch), &Patch)| !(a.smooth & h.smooth & b.smooth);
-        rough_spans(above.iter().zip(here).zip(below).map(looked_at), spans);
+    fn light_row(&self, v: usize, lit: &mut LitRows) {
         let shade = self.plan.shade(v);
-        let mut row = lit.row(v);
-        for (from, to) in spans {
-            let span = (from.saturating_sub(margin), (*to + margin).min(i.width));
-            self.lighting.span(v, span, shade, &mut row);
-        }
-    }
-}
-
-/// Columns of neighbouring tiles that are rough; the last may lie beyond the image.
-#[inline(always)]
-fn rough_spans(rough: impl Iterator<Item = bool>, spans: &mut Vec<(usize, usize)>) {
-    spans.clear();
-    for (column, _) in rough.enumerate().filter(|(_, rough)| *rough) {
-        let (from, to) = (column * TILE, (column + 1) * TILE);
-        match spans.last_mut() {
-            Some(last) if last.1 == from => last.1 = to,
-            _ => spans.push((from, to)),
+        let looks = Plan::looks(v, self.margin());
+        let patches = self.plan.patches(v);
+        for (tile, (patch, looked)) in patches.iter().zip(self.plan.looked_at(v)).enumerate() {
+            if looked & looks == 0 {
+                continue;
+            }
+            let out = &mut lit.tile(v, tile);
+            if patch.smooth {
+                self.lighting.patch_pixels((v, v % BAND), tile, patch, out);
+            } else {
+                self.lighting.pixels(v, tile, shade[tile], out);
+            }
         }
     }
 }

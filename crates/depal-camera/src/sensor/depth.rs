@@ -22,28 +22,22 @@ impl Sensor<'_> {
         let (depth, sigma, keep) = (&row.depth[..n], &row.sigma[..n], &row.keep[..n]);
         let (chances, words) = (&row.words[1][..n], &row.words[2][..n]);
         let (soft, bow) = (&row.smooth[..n], &self.bowl.columns[..n]);
-        let quantised = s.quantum > 0.0;
-        let measure = |u: usize| {
+        // No closures: they would be compiled for the oldest processor.
+        for u in 0..n {
             let noise = white * normal(words[u]) + smooth * soft[u];
-            depth[u] * scale + (bow[u] + bowl) + sigma[u] * noise
-        };
-        let seen = |u: usize| {
-            let kept = (chances[u] & ((1 << KEEP_BITS) - 1)) <= keep[u];
-            let lucky = (chances[u] >> KEEP_BITS) as i32 >= random_dropout;
-            (depth[u] > 0.0) & kept & lucky
-        };
-        if quantised {
-            for u in 0..n {
-                let steps = nearest_integer(f64::from(measure(u)) * steps_per_metre);
-                out[u] = (steps * s.quantum) as f32;
-            }
-        } else {
-            for u in 0..n {
-                out[u] = measure(u);
+            out[u] = depth[u] * scale + (bow[u] + bowl) + sigma[u] * noise;
+        }
+        if s.quantum > 0.0 {
+            for value in out.iter_mut() {
+                let steps = nearest_integer(f64::from(*value) * steps_per_metre);
+                *value = (steps * s.quantum) as f32;
             }
         }
         for u in 0..n {
-            let seen = seen(u) & (out[u] >= near) & (out[u] <= far);
+            let kept = (chances[u] & ((1 << KEEP_BITS) - 1)) <= keep[u];
+            let lucky = (chances[u] >> KEEP_BITS) as i32 >= random_dropout;
+            let in_range = (out[u] >= near) & (out[u] <= far);
+            let seen = (depth[u] > 0.0) & kept & lucky & in_range;
             out[u] = if seen { out[u] } else { 0.0 };
         }
         if s.disparity_step_px > 0.0 {

@@ -2,43 +2,34 @@
 
 use super::band::{LitRows, RowScratch, Sensor};
 use crate::noise::normal;
+use crate::raster::TILE;
+use crate::row::{WIDE, chunk, chunk_mut, wide};
 
 impl Sensor<'_> {
-    /// Grey of columns `from..to` behind the lens, which blurs by 1-2-1 in both directions.
+    /// Grey of a tile behind the lens, which blurs by 1-2-1 in both directions.
     #[inline(always)]
-    pub(super) fn blur_grey(
-        &self,
-        v: usize,
-        (from, to): (usize, usize),
-        lit: &LitRows,
-        row: &mut RowScratch,
-    ) {
+    pub(super) fn blur_grey(&self, v: usize, tile: usize, lit: &LitRows, row: &mut RowScratch) {
         let i = &self.rendering.intrinsics;
+        let from = tile * TILE;
+        let out = chunk_mut(&mut row.grey, from);
         let middle = lit.grey(v);
-        let out = &mut row.grey[from..to];
         if !self.spec.sensor.blur {
-            out.copy_from_slice(&middle[from..to]);
+            *out = *chunk(middle, from);
             return;
         }
-        let (first, end) = (from.saturating_sub(1), (to + 1).min(i.width));
-        let above = &lit.grey(v.saturating_sub(1))[first..end];
-        let below = &lit.grey((v + 1).min(i.height - 1))[first..end];
-        let blend = &mut row.between[first..end];
-        let rows = above.iter().zip(&middle[first..end]).zip(below);
-        for (blend, ((a, m), b)) in blend.iter_mut().zip(rows) {
-            *blend = 0.0625 * (a + b) + 0.125 * m;
-        }
         // Beside the image its border goes on.
-        let blend = &row.between[..i.width];
-        let at = |u: usize| blend[u.min(i.width - 1)];
-        let ends = |u: usize| at(u.saturating_sub(1)) + 2.0 * at(u) + at(u + 1);
-        out[0] = ends(from);
-        out[to - from - 1] = ends(to - 1);
-        if to - from > 2 {
-            let inner = &mut out[1..to - from - 1];
-            for (grey, near) in inner.iter_mut().zip(blend[from..to].windows(3)) {
-                *grey = near[0] + 2.0 * near[1] + near[2];
-            }
+        let mut spare = [[0.0; WIDE]; 3];
+        let [sa, sm, sb] = &mut spare;
+        let (above, below) = (v.saturating_sub(1), (v + 1).min(i.height - 1));
+        let a = wide(&lit.grey(above)[..i.width], from, sa);
+        let m = wide(&middle[..i.width], from, sm);
+        let b = wide(&lit.grey(below)[..i.width], from, sb);
+        let mut blend = [0.0; WIDE];
+        for k in 0..WIDE {
+            blend[k] = 0.0625 * (a[k] + b[k]) + 0.125 * m[k];
+        }
+        for k in 0..TILE {
+            out[k] = blend[k] + 2.0 * blend[k + 1] + blend[k + 2];
         }
     }
 

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::capture::{Capture, NOTHING};
 use crate::raster::EMPTY;
-use crate::runs::run_length;
+use crate::row::run_length;
 use crate::{CameraSpec, Rendering};
 use band::{ROWS, Sensor};
 

@@ -2,113 +2,86 @@
 
 use super::band::{RowScratch, Sensor};
 use crate::raster::TILE;
+use crate::row::{WIDE, wide};
 
 impl Sensor<'_> {
-    /// Takes and moves pixels at the steps in columns `from..to`, which start with a tile.
+    /// Takes and moves pixels at the steps in a tile.
     #[inline(always)]
-    pub(super) fn blur_steps(&self, v: usize, (from, to): (usize, usize), row: &mut RowScratch) {
+    pub(super) fn blur_steps(&self, v: usize, tile: usize, row: &mut RowScratch) {
         let s = &self.spec.sensor;
         if s.edge_dropout + s.mixed_pixels <= 0.0 {
             return;
         }
-        self.mark_borders(v, (from, to), row);
         let dropout = (s.edge_dropout * 4_294_967_296.0) as u64;
         let mixed = (s.mixed_pixels * 4_294_967_296.0) as u64;
         let width = self.rendering.intrinsics.width;
-        for first in (from..to).step_by(TILE) {
-            let count = TILE.min(to - first);
-            let marks = &row.border[first..first + count];
-            if marks.iter().fold(0, |all, mark| all | mark) == 0 {
+        let mut at_step = self.steps(v, tile * TILE);
+        while at_step != 0 {
+            let u = tile * TILE + at_step.trailing_zeros() as usize;
+            at_step &= at_step - 1;
+            if row.depth[u] == 0.0 {
                 continue;
             }
-            let mut at_step = self.steps(first, count, v);
-            for (k, mark) in marks.iter().enumerate() {
-                at_step &= !(u32::from(*mark == 0) << k);
-            }
-            while at_step != 0 {
-                let u = first + at_step.trailing_zeros() as usize;
-                at_step &= at_step - 1;
-                if row.depth[u] == 0.0 {
-                    continue;
-                }
-                let chance = self.step_noise.word((v * width + u) as u64) >> 32;
-                if chance < dropout {
-                    row.depth[u] = 0.0;
-                } else if chance < dropout + mixed {
-                    let (nearest, farthest) = self.depth_range(u, v);
-                    row.depth[u] = 0.5 * (nearest + farthest);
-                }
+            let chance = self.step_noise.word((v * width + u) as u64) >> 32;
+            if chance < dropout {
+                row.depth[u] = 0.0;
+            } else if chance < dropout + mixed {
+                let (nearest, farthest) = self.depth_range(u, v);
+                row.depth[u] = 0.5 * (nearest + farthest);
             }
         }
     }
 
-    /// Bit k: pixel k from column `first` on has a depth step or nothing within 3x3.
+    /// Bit k: within 3x3 around the pixel k from column `from` on lie several surfaces, and a depth step
+    /// or nothing.
     #[inline(always)]
-    fn steps(&self, first: usize, count: usize, v: usize) -> u32 {
-        /// A tile and one more pixel on each side.
-        const WIDE: usize = TILE + 2;
-        let i = &self.rendering.intrinsics;
-        let step = self.spec.sensor.step as f32;
-        let rows = [v.saturating_sub(1), v, (v + 1).min(i.height - 1)]
-            .map(|v| &self.rendering.inverse_depth[v * i.width..(v + 1) * i.width]);
-        let mut windows = [[0.0_f32; WIDE]; 3];
-        if first > 0 && first + TILE < i.width {
-            for (window, row) in windows.iter_mut().zip(rows) {
-                window.copy_from_slice(&row[first - 1..][..WIDE]);
-            }
-        } else {
-            for (window, row) in windows.iter_mut().zip(rows) {
-                for (k, w) in window.iter_mut().enumerate() {
-                    *w = row[(first + k).clamp(1, i.width.min(first + count)) - 1];
-                }
-            }
+    fn steps(&self, v: usize, from: usize) -> u32 {
+        let r = self.rendering;
+        let i = &r.intrinsics;
+        let (above, below) = (v.saturating_sub(1), (v + 1).min(i.height - 1));
+        let mut spare = [[0; WIDE]; 3];
+        let [sa, sm, sb] = &mut spare;
+        let surfaces = |v: usize| &r.surface[v * i.width..(v + 1) * i.width];
+        let a = wide(surfaces(above), from, sa);
+        let m = wide(surfaces(v), from, sm);
+        let b = wide(surfaces(below), from, sb);
+        let (mut turns, mut border) = ([0; WIDE], [0; TILE]);
+        for k in 0..WIDE {
+            turns[k] = (a[k] ^ m[k]) | (b[k] ^ m[k]);
         }
+        let mut any = 0;
+        for k in 0..TILE {
+            let across = (m[k] ^ m[k + 1]) | (m[k + 1] ^ m[k + 2]);
+            border[k] = across | turns[k] | turns[k + 1] | turns[k + 2];
+            any |= border[k];
+        }
+        if any == 0 {
+            return 0;
+        }
+        let mut spare = [[0.0; WIDE]; 3];
+        let [sa, sm, sb] = &mut spare;
+        let depths = |v: usize| &r.inverse_depth[v * i.width..(v + 1) * i.width];
+        let a = wide(depths(above), from, sa);
+        let m = wide(depths(v), from, sm);
+        let b = wide(depths(below), from, sb);
         let least = |a: f32, b: f32| if a < b { a } else { b };
         let most = |a: f32, b: f32| if a > b { a } else { b };
         let (mut low, mut high) = ([0.0_f32; WIDE], [0.0_f32; WIDE]);
         for k in 0..WIDE {
-            let [a, b, c] = [windows[0][k], windows[1][k], windows[2][k]];
-            low[k] = least(least(a, b), c);
-            high[k] = most(most(a, b), c);
+            low[k] = least(least(a[k], b[k]), m[k]);
+            high[k] = most(most(a[k], b[k]), m[k]);
         }
-        let mut steps = 0;
+        let step = self.spec.sensor.step as f32;
+        let mut found = [0_u32; TILE];
         for k in 0..TILE {
             let low = least(least(low[k], low[k + 1]), low[k + 2]);
             let high = most(most(high[k], high[k + 1]), high[k + 2]);
             // 1/low - 1/high > step, without the divisions; 1/z = 0 is nothing.
             let far_apart = (low <= 0.0) | (high - low > step * low * high);
-            steps |= u32::from(far_apart) << k;
+            found[k] = u32::from(far_apart & (border[k] != 0)) << k;
         }
-        steps
-    }
-
-    /// Marks the pixels of columns `from..to` with more than one surface within 3x3.
-    #[inline(always)]
-    fn mark_borders(&self, v: usize, (from, to): (usize, usize), row: &mut RowScratch) {
-        let i = &self.rendering.intrinsics;
-        let (first, end) = (from.saturating_sub(1), (to + 1).min(i.width));
-        let surfaces = |v: usize| &self.rendering.surface[v * i.width..(v + 1) * i.width];
-        let middle = surfaces(v);
-        let above = &surfaces(v.saturating_sub(1))[first..end];
-        let below = &surfaces((v + 1).min(i.height - 1))[first..end];
-        // Bit 0: the next pixel is another surface; bit 1: one above or below is. One more at each end.
-        let turns = &mut row.turns[first + 1..=end];
-        let rows = middle[first..end].iter().zip(above).zip(below);
-        for (mark, ((m, a), b)) in turns.iter_mut().zip(rows) {
-            *mark = u8::from((a ^ m) | (b ^ m) != 0) * 2;
-        }
-        for (mark, pair) in turns.iter_mut().zip(middle[first..].windows(2)) {
-            *mark |= u8::from(pair[0] != pair[1]);
-        }
-        let (before, here, after) = (
-            &row.turns[from..to],
-            &row.turns[from + 1..=to],
-            &row.turns[from + 2..to + 2],
-        );
-        let border = &mut row.border[from..to];
-        for (((mark, before), here), after) in border.iter_mut().zip(before).zip(here).zip(after) {
-            *mark = before | here | (after & 2);
-        }
+        let inside = u32::MAX >> (32 - (i.width - from).min(TILE));
+        found.iter().fold(0, |all, bit| all | bit) & inside
     }
 
     /// Nearest and farthest depth within 3x3.

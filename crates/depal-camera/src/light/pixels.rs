@@ -1,0 +1,154 @@
+//! Light on a tile pixel by pixel, whatever it shows.
+
+use depal_frames::Vector;
+
+use super::lamp::{Hit, pack};
+use super::{Lighting, Patch};
+use crate::raster::{EMPTY, TILE};
+use crate::row::{chunk, chunk_or};
+use crate::view::Face;
+
+/// A tile's part of a row of lit pixels.
+pub(crate) struct LitTile<'a> {
+    /// Depth, metres; 0 where the sensor gets nothing for sure.
+    pub depth: &'a mut [f32; TILE],
+    /// Deviation and chance, see [`unpack`](super::unpack).
+    pub packed: &'a mut [u32; TILE],
+    /// Grey value before lens and noise.
+    pub grey: &'a mut [f32; TILE],
+}
+
+/// On what a pixel lies.
+#[derive(Clone, Copy)]
+struct Surface {
+    solid: u32,
+    /// Index into the view's rounds, or [`Face::FLAT`].
+    round: u32,
+    /// How far its plane lies before the camera and before the projector, metres.
+    before: (f32, f32),
+}
+
+impl Lighting<'_> {
+    /// Lights a tile in image row `v`; bit k of `shade`: the projector does not reach pixel k.
+    #[inline(always)]
+    pub fn pixels(&self, v: usize, tile: usize, shade: u16, out: &mut LitTile) {
+        let r = self.rendering;
+        let width = r.intrinsics.width;
+        let row = v * width..(v + 1) * width;
+        let surface = chunk_or(&r.surface[row.clone()], tile * TILE, EMPTY);
+        let w = chunk_or(&r.inverse_depth[row], tile * TILE, 0.0);
+        let x = chunk(&self.columns, tile * TILE);
+        let y = self.y(v);
+        let yy = y * y + 1.0;
+        let (mut k, mut c1, mut solid) = ([0.0; TILE], [0.0; TILE], [EMPTY; TILE]);
+        let mut there = self.surface(surface[0]);
+        let mut left = 0_u32;
+        let mut others = 0;
+        for n in 0..TILE {
+            others |= surface[n] ^ surface[0];
+        }
+        let one = (others == 0) & (there.round == Face::FLAT);
+        if one {
+            (k, c1) = ([there.before.0; TILE], [there.before.1; TILE]);
+            solid = [there.solid; TILE];
+            left = if there.solid == EMPTY { 0 } else { 0xffff };
+        }
+        for n in 0..if one { 0 } else { TILE } {
+            if n > 0 && surface[n] != surface[n - 1] {
+                there = self.surface(surface[n]);
+            }
+            if there.round != Face::FLAT {
+                there.before = self.before_round(there.round, w[n], x[n], y);
+            }
+            solid[n] = there.solid;
+            (k[n], c1[n]) = there.before;
+            left |= u32::from(there.solid != EMPTY) << n;
+        }
+        // Arrays of their own: of the buffers the compiler does not know that they are not the lamp's.
+        let (mut depth, mut packed, mut grey) = ([0.0; TILE], [0; TILE], [0.0; TILE]);
+        while left != 0 {
+            let own = solid[left.trailing_zeros() as usize];
+            let lamp = self.lamps[own as usize];
+            let mut mine = 0;
+            for n in 0..TILE {
+                let (w, x, k, c1) = (w[n], x[n], k[n], c1[n]);
+                let mut lit = lamp.shine(Hit { w, x, yy, k, c1 });
+                let word = pack(lit.sigma, lamp.take_grazing(&mut lit));
+                let same = solid[n] == own;
+                depth[n] = if same { lit.depth } else { depth[n] };
+                packed[n] = if same { word } else { packed[n] };
+                grey[n] = if same { lit.grey } else { grey[n] };
+            }
+            for n in 0..TILE {
+                mine |= u32::from(solid[n] == own) << n;
+            }
+            left &= !mine;
+            if lamp.gloss > 0.0 {
+                for n in (0..TILE).filter(|n| solid[*n] == own) {
+                    let (w, x, k, c1) = (w[n], x[n], k[n], c1[n]);
+                    if lamp.is_over_exposed(Hit { w, x, yy, k, c1 }) {
+                        depth[n] = 0.0;
+                        grey[n] += 255.0 * lamp.gloss;
+                    }
+                }
+            }
+        }
+        let mut hidden = shade;
+        while hidden != 0 {
+            let n = hidden.trailing_zeros() as usize;
+            hidden &= hidden - 1;
+            depth[n] = 0.0;
+            grey[n] = self.lamps[solid[n] as usize].ambient_grey;
+        }
+        (*out.depth, *out.packed, *out.grey) = (depth, packed, grey);
+    }
+
+    /// Lights row `r` of a smooth tile, which is image row `v`, for the eyes of its neighbours.
+    #[inline(always)]
+    pub fn patch_pixels(
+        &self,
+        (v, r): (usize, usize),
+        tile: usize,
+        patch: &Patch,
+        out: &mut LitTile,
+    ) {
+        let width = self.rendering.intrinsics.width;
+        let w = chunk(&self.rendering.inverse_depth, v * width + tile * TILE);
+        let ((s0, s1), (g0, g1)) = patch.row(r);
+        let (keep, mut depth, mut packed, mut grey) =
+            (patch.keep, [0.0; TILE], [0; TILE], [0.0; TILE]);
+        for n in 0..TILE {
+            let t = n as i32 as f32;
+            depth[n] = 1.0 / w[n];
+            packed[n] = pack(s0 + s1 * t, keep);
+            grey[n] = g0 + g1 * t;
+        }
+        (*out.depth, *out.packed, *out.grey) = (depth, packed, grey);
+    }
+
+    #[inline(always)]
+    fn surface(&self, index: u32) -> Surface {
+        if index == EMPTY {
+            return Surface {
+                solid: EMPTY,
+                round: Face::FLAT,
+                before: (0.0, 0.0),
+            };
+        }
+        let face = &self.rendering.view.faces[index as usize];
+        Surface {
+            solid: face.solid,
+            round: face.round,
+            before: self.before(face),
+        }
+    }
+
+    /// As [`Surface::before`], for the plane that touches a round surface at a pixel.
+    #[inline(always)]
+    fn before_round(&self, round: u32, w: f32, x: f32, y: f32) -> (f32, f32) {
+        let point = Vector::new(f64::from(x), f64::from(y), 1.0) / f64::from(w);
+        let normal = self.rendering.view.rounds[round as usize].normal_at(&point);
+        let k = -normal.dot(&point) as f32;
+        (k, (normal.x * self.spec.baseline) as f32 + k)
+    }
+}
