@@ -22,10 +22,10 @@ mod server;
 pub use block::{
     BLOCK_BYTES, COMMAND_BYTES, DataBlock, Field, FieldKind, FieldSpec, POINT_ROWS, Side,
 };
-pub use client::{BlockClient, BlockClientError, BlockDone};
+pub use client::{BlockClient, BlockDone};
 pub use codes::ReturnCode;
 pub use cotp::{CotpConnect, CotpPacket, Tsap};
-pub use error::S7Error;
+pub use error::{BlockClientError, S7Error};
 pub use items::{AREA_DB, DataTransport, VarAddress, VarData};
 pub use message::{
     MIN_PDU, PREFERRED_PDU, S7Body, S7Message, Setup, read_capacity, write_capacity,

@@ -1,85 +1,9 @@
 //! What a client of the block asks, and how it takes the answers: no sockets here.
 
-use thiserror::Error;
-
 use super::{
-    BLOCK_BYTES, CotpConnect, CotpPacket, MIN_PDU, PREFERRED_PDU, ReturnCode, S7Body, S7Error,
+    BlockClientError, CotpConnect, CotpPacket, MIN_PDU, PREFERRED_PDU, ReturnCode, S7Body,
     S7Message, Setup, TelegramReader, Tsap, VarAddress, VarData, read_capacity, write_capacity,
 };
-
-/// Why a controller cannot be worked with. After any of these the connection is of no more use.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum BlockClientError {
-    /// The other end closed the connection.
-    #[error("connection closed by the PLC")]
-    Closed,
-    /// Whoever answers there does not know the processor.
-    #[error(
-        "rack {rack}, slot {slot} refused (reason {reason}); is the processor there? \
-         Series 300 has slot 2, 1200 and 1500 slot 0 or 1"
-    )]
-    Place {
-        /// Rack asked for.
-        rack: u8,
-        /// Slot asked for.
-        slot: u8,
-        /// The number given.
-        reason: u8,
-    },
-    /// Telegrams would be too short to work with.
-    #[error("the PLC grants telegrams of {found} bytes, at least {MIN_PDU} are needed")]
-    Pdu {
-        /// Bytes granted.
-        found: u16,
-    },
-    /// An item was not read or written.
-    #[error(
-        "DB {db}, bytes {first} to {last}: {code}; the block needs {BLOCK_BYTES} bytes, \
-         standard (not optimised) access and permitted PUT/GET"
-    )]
-    Item {
-        /// Number of the block.
-        db: u16,
-        /// First byte.
-        first: usize,
-        /// Last byte.
-        last: usize,
-        /// What the controller says.
-        code: ReturnCode,
-    },
-    /// A whole request was refused.
-    #[error(
-        "{what} refused with error {class:#04x} {code:#04x} (DB {db}, rack {rack}, slot {slot})"
-    )]
-    Refused {
-        /// What was asked.
-        what: &'static str,
-        /// Kind of error.
-        class: u8,
-        /// The error.
-        code: u8,
-        /// Number of the block.
-        db: u16,
-        /// Rack of the processor.
-        rack: u8,
-        /// Its slot.
-        slot: u8,
-    },
-    /// An answer that does not fit the question.
-    #[error("answer to {what} has {found}, expected {expected}")]
-    Answer {
-        /// What was asked.
-        what: &'static str,
-        /// In words.
-        expected: String,
-        /// In words.
-        found: String,
-    },
-    /// Bytes that are no telegram.
-    #[error("unreadable answer: {0}")]
-    Wire(#[from] S7Error),
-}
 
 /// What a [`BlockClient`] has finished.
 #[derive(Debug, Clone, PartialEq, Eq)]
