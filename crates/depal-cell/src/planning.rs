@@ -240,7 +240,9 @@ pub(crate) fn seen_boxes(picture: &Picture, numbers: &[usize]) -> Vec<SeenBox> {
 /// What a picture shows besides boxes, base frame.
 pub(crate) fn seen_points(picture: &Picture) -> Vec<Point> {
     let points = picture.detection.obstacle_points.iter();
-    points.map(|point| picture.base_from_camera * point).collect()
+    points
+        .map(|point| picture.base_from_camera * point)
+        .collect()
 }
 
 /// The plan's waypoints as the server sends them.
