@@ -1,7 +1,7 @@
 //! Forward and inverse kinematics of our own arms, and of one without a closed form, over random postures.
 #![allow(missing_docs)]
 
-use std::f64::consts::FRAC_PI_2;
+use std::{f64::consts::FRAC_PI_2, fmt::Write};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use depal_arm::Arm;
@@ -33,11 +33,13 @@ fn ur10e() -> String {
     let mut text = r#"<robot name="ur10e"><link name="link_0"/>"#.to_owned();
     for (i, (xyz, roll)) in rows.iter().enumerate() {
         let n = i + 1;
-        text += &format!(
+        write!(
+            text,
             r#"<link name="link_{n}"/><joint name="joint_{n}" type="revolute"><parent link="link_{i}"/>
             <child link="link_{n}"/><origin xyz="{xyz}" rpy="{roll} 0 0"/><axis xyz="0 0 1"/>
             <limit lower="-3.1" upper="3.1" velocity="2"/></joint>"#
-        );
+        )
+        .expect("text");
     }
     text + r#"<link name="tool0"/><joint name="flange" type="fixed"><parent link="link_6"/><child link="tool0"/>
         <origin xyz="0 0 0.11655"/></joint></robot>"#
