@@ -222,7 +222,8 @@ impl Search<'_> {
                 0.0
             };
             excess
-                > least.squares * WORSE_SHARE + (WORSE_BLOCKS + HOPELESS_BLOCKS + fewer) * least.mean()
+                > least.squares * WORSE_SHARE
+                    + (WORSE_BLOCKS + HOPELESS_BLOCKS + fewer) * least.mean()
         })
     }
 

@@ -4,7 +4,7 @@
 #![allow(dead_code)]
 
 use depal_camera::{CameraSpec, Material, RenderShape, SensorSpec};
-use depal_frames::{DepthFrame, Intrinsics, Pose, Rotation, Vector};
+use depal_frames::{DepthFrame, Intrinsics, Pose, Vector};
 use depal_time::RandomStreams;
 
 use crate::rendered::{Carton, HEIGHT, Layout, block, looking_down, picture, places};
@@ -32,9 +32,10 @@ pub fn cartons(layout: Layout, gap: f64, seed: u64) -> Vec<Carton> {
     let all = places(layout, gap);
     // The middle of the layer under the camera.
     let middle = |of: fn(&crate::rendered::Place) -> f64| {
-        let (low, high) = all.iter().map(of).fold((f64::MAX, f64::MIN), |b, c| {
-            (b.0.min(c), b.1.max(c))
-        });
+        let (low, high) = all
+            .iter()
+            .map(of)
+            .fold((f64::MAX, f64::MIN), |b, c| (b.0.min(c), b.1.max(c)));
         f64::midpoint(low, high)
     };
     let (mx, my) = (middle(|p| p.x), middle(|p| p.y));
@@ -93,7 +94,13 @@ pub fn frame(cartons: &[Carton], noise: Noise, with_intensity: bool, seed: u64) 
         0.0,
         Material::KRAFT,
     ));
-    shapes.push(block(1001, [0.0, 0.0, -1.1], [8.0, 8.0, 0.2], 0.0, Material::CONCRETE));
+    shapes.push(block(
+        1001,
+        [0.0, 0.0, -1.1],
+        [8.0, 8.0, 0.2],
+        0.0,
+        Material::CONCRETE,
+    ));
     let mut frame = picture(&spec, &at(), &shapes, seed);
     // What of a surface is seen too flat is lost; all that is seen here faces the camera.
     frame.depth = sensed(&frame.depth, intrinsics.width, noise, seed);
@@ -176,7 +183,10 @@ fn blurred(white: &[f32], width: usize) -> Vec<f32> {
                 let (u, v) = ((i % width) as isize, (i / width) as isize);
                 let at = |k: isize| {
                     let (u, v) = if along_rows { (u + k, v) } else { (u, v + k) };
-                    let (u, v) = (u.clamp(0, width as isize - 1), v.clamp(0, height as isize - 1));
+                    let (u, v) = (
+                        u.clamp(0, width as isize - 1),
+                        v.clamp(0, height as isize - 1),
+                    );
                     from[v as usize * width + u as usize]
                 };
                 (-REACH..=REACH)

@@ -334,6 +334,17 @@ impl Score {
         }
     }
 
+    pub fn absorb(&mut self, other: Self) {
+        self.wanted += other.wanted;
+        self.found += other.found;
+        self.false_positives += other.false_positives;
+        self.xy_mm.extend(other.xy_mm);
+        self.z_mm.extend(other.z_mm);
+        self.yaw_deg.extend(other.yaw_deg);
+        self.tilt_deg.extend(other.tilt_deg);
+        self.time_ms.extend(other.time_ms);
+    }
+
     pub fn line(&self) -> String {
         format!(
             "{:>3}/{:<3} | {:>2} | {:.2} / {:.2} | {:.2} | {:.3} / {:.3} | {:.3} | {:.1}",
