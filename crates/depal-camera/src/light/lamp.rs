@@ -185,7 +185,7 @@ impl Lamp {
         const SHIFT: f32 = 8_388_608.0; // 2^23
         let on = start > 0.0;
         lit.depth = if on & (share <= 0.0) { 0.0 } else { lit.depth };
-        let share = if on { share.max(0.0).min(1.0) } else { 1.0 };
+        let share = if on { share.clamp(0.0, 1.0) } else { 1.0 };
         (self.keep as i32 as f32 * share + SHIFT).to_bits() & KEEP_ALL
     }
 
