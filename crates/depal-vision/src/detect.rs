@@ -6,9 +6,10 @@ use crate::{
     DetectedBox, Detection, VisionSettings,
     components::{Component, components},
     gate::{DepthImage, gate},
+    neighbours::neighbours,
     obstacles::obstacle_points,
     steps::surface_mask,
-    surface::{Surface, neighbours},
+    surface::Surface,
 };
 
 /// Finds every whole uncovered top face of a known size. A frame that is empty, all invalid or

@@ -63,24 +63,31 @@
 )]
 
 mod arrange;
+mod blank;
 pub mod calibration;
+mod class;
 mod components;
 mod cover;
 mod detect;
 mod detection;
+mod even;
 mod gate;
 mod ink;
 mod measure;
+mod neighbours;
 mod noise;
 mod obstacles;
 mod orientation;
 mod patch;
 mod plane;
 mod relief;
+mod resample;
 mod search;
 mod settings;
+mod settle;
 mod sides;
 mod smear;
+mod stands;
 mod steps;
 mod surface;
 mod verify;

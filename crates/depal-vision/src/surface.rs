@@ -1,26 +1,27 @@
 //! One flat surface: its plane, its direction, and the cartons on it.
 
-use depal_frames::{Intrinsics, Point, Vector};
+use depal_frames::{Point, Vector};
 
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
-    arrange::{arrange, touches},
+    arrange::arrange,
+    blank::Blank,
     components::Component,
     cover::uncovered,
+    even::is_even,
     gate::DepthImage,
     measure::measure_whole,
     orientation::{main_direction, outline},
-    patch::{Blank, Class, Grid, Patch, SHARP_RIM, pixel_pitch},
+    patch::{Grid, Patch, SHARP_RIM, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
     search::{Candidate, extents, search, sides_with_edges},
-    sides::{Fitting, ROUGHLY, fit_rectangle},
-    verify::{LEAST_SEEN, Proof, TURN_SEEN, verify},
+    settle::{settle, start_frame},
+    stands::stands,
+    verify::{Proof, verify},
 };
 
 /// How far a patch reaches beyond its surface, metres.
 const MARGIN: f64 = 0.030;
-/// A stripe without measurement this wide may run through a carton (black tape), metres.
-const WIDEST_TAPE: f64 = 0.060;
 
 /// A piece of the step mask that lies on a plane roughly facing the camera.
 pub struct Surface {
@@ -380,62 +381,6 @@ fn margin(settings: &VisionSettings, pitch: f64) -> f64 {
     MARGIN + settings.smear_px.min(30) as f64 * pitch
 }
 
-/// True when no line of more than a few holes runs through the rectangle of a piece's mask (`range`
-/// metres, middle and axes as in `frame`): a seam leaves one, also where it was bridged.
-fn is_even(
-    mask: &[u8],
-    image: &DepthImage,
-    frame: &PlaneFrame,
-    range: [f64; 2],
-    pitch: f64,
-) -> bool {
-    /// Every sixth line is looked at, pixel by pixel.
-    const STRIDE: f64 = 6.0;
-    /// Cells left out at the rim.
-    const RIM: f64 = 4.0;
-    /// A seam shows holes on a tenth of its length, and each tears the mask over five pixels.
-    const MOST: f64 = 0.15;
-    let k = &image.intrinsics;
-    let inner = range.map(|r| r - 2.0 * RIM * pitch);
-    for axis in 0..2 {
-        let across = 1 - axis;
-        let cells = (inner[axis] / pitch).floor().max(1.0) as usize;
-        let lines = (inner[across] / (STRIDE * pitch)).floor().max(1.0) as usize;
-        let mut holes = vec![0u16; cells];
-        let (along, beside) = if axis == 0 {
-            (frame.x, frame.y)
-        } else {
-            (frame.y, frame.x)
-        };
-        for line in 0..lines {
-            let at = ((line as f64 + 0.5) / lines as f64 - 0.5) * inner[across];
-            let ends = [-0.5, 0.5]
-                .map(|end| k.project(&(frame.origin + along * (inner[axis] * end) + beside * at)));
-            // A tenth of a pixel of perspective matters little here.
-            let per = 1.0 / cells as f64;
-            let (du, dv) = (
-                ((ends[1].0 - ends[0].0) * per) as f32,
-                ((ends[1].1 - ends[0].1) * per) as f32,
-            );
-            let (u0, v0) = ((ends[0].0 + 0.5) as f32, (ends[0].1 + 0.5) as f32);
-            for (cell, holes) in holes.iter_mut().enumerate() {
-                let s = cell as i32 as f32 + 0.5;
-                let (u, v) = ((u0 + du * s) as i32, (v0 + dv * s) as i32);
-                let (u, v) = (
-                    (u.max(0) as usize).min(image.width - 1),
-                    (v.max(0) as usize).min(image.height - 1),
-                );
-                *holes += u16::from(1 - mask[v * image.width + u]);
-            }
-        }
-        let most = (MOST * lines as f64).max(1.0) as u16;
-        if holes.iter().any(|&h| h > most) {
-            return false;
-        }
-    }
-    true
-}
-
 /// A found box as a rectangle in the axes of a patch's frame.
 fn blank(found: &DetectedBox, frame: &PlaneFrame) -> Blank {
     let pose = &found.camera_from_box;
@@ -446,114 +391,6 @@ fn blank(found: &DetectedBox, frame: &PlaneFrame) -> Blank {
         half: [found.size.length / 2.0, found.size.width / 2.0],
         turn: x.dot(&frame.y).atan2(x.dot(&frame.x)),
     }
-}
-
-/// Whether what lies beyond the outer sides of arranged boxes is as deep as they are high: a slip
-/// sheet of the size of a whole layer is covered by cartons as well, but stands on no height.
-fn stands(
-    patch: &Patch,
-    image: &DepthImage,
-    settings: &VisionSettings,
-    boxes: &[Candidate],
-) -> bool {
-    const BEYOND: f64 = 0.020;
-    const SAMPLES: usize = 40;
-    const ENOUGH: usize = 40;
-    let k = &image.intrinsics;
-    let mut drops = Vec::new();
-    let mut height = f64::MAX;
-    for b in boxes {
-        let size = &settings.sizes[b.label as usize];
-        height = height.min(size.height);
-        let half = extents(size, b.turned).map(|e| e / 2.0);
-        let (x, y) = b.centre(patch);
-        for side in 0..4 {
-            let sign = if side % 2 == 0 { -1.0 } else { 1.0 };
-            for n in 0..SAMPLES {
-                let along = (n as f64 + 0.5) / SAMPLES as f64 * 2.0 - 1.0;
-                let p = if side < 2 {
-                    patch
-                        .frame
-                        .point(x + sign * (half[0] + BEYOND), y + along * half[1])
-                } else {
-                    patch
-                        .frame
-                        .point(x + along * half[0], y + sign * (half[1] + BEYOND))
-                };
-                let (u, v) = k.project(&p);
-                if image.class(u, v, p.z, settings.plane_tolerance) == Class::Deep {
-                    let i = (v + 0.5) as usize * image.width + (u + 0.5) as usize;
-                    drops.push(f64::from(image.depth[i]) - p.z);
-                }
-            }
-        }
-    }
-    if drops.len() < ENOUGH || !height.is_finite() {
-        return true;
-    }
-    let high = drops.len() * 9 / 10;
-    let drop = *drops.select_nth_unstable_by(high, f64::total_cmp).1;
-    drop > 0.9 * height - 0.005
-}
-
-/// Groups (indices, ascending) of surfaces that lie side by side on one plane.
-pub fn neighbours(
-    surfaces: &[Surface],
-    intrinsics: &Intrinsics,
-    settings: &VisionSettings,
-) -> Vec<Vec<usize>> {
-    let bounds: Vec<[usize; 4]> = surfaces
-        .iter()
-        .map(|s| {
-            s.component
-                .runs
-                .iter()
-                .fold([usize::MAX, 0, usize::MAX, 0], |b, r| {
-                    [
-                        b[0].min(r.first),
-                        b[1].max(r.last),
-                        b[2].min(r.row),
-                        b[3].max(r.row),
-                    ]
-                })
-        })
-        .collect();
-    let beside = |a: usize, b: usize| {
-        let (p, q) = (bounds[a], bounds[b]);
-        // The mask ends two pixels inside both borders.
-        let reach = (WIDEST_TAPE / pixel_pitch(&surfaces[a].frame, intrinsics)) as usize + 4;
-        let close = p[0] <= q[1] + reach
-            && q[0] <= p[1] + reach
-            && p[2] <= q[3] + reach
-            && q[2] <= p[3] + reach;
-        let level = |a: &Surface, b: &Surface| {
-            let ray = b.frame.origin.coords / b.frame.origin.z;
-            (a.frame.plane.depth(&ray) - b.frame.origin.z).abs() < settings.plane_tolerance
-        };
-        close && level(&surfaces[a], &surfaces[b]) && level(&surfaces[b], &surfaces[a])
-    };
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    let mut taken = vec![false; surfaces.len()];
-    for seed in 0..surfaces.len() {
-        if taken[seed] {
-            continue;
-        }
-        taken[seed] = true;
-        let mut group = vec![seed];
-        let mut next = 0;
-        while next < group.len() {
-            for (other, taken) in taken.iter_mut().enumerate() {
-                if !*taken && beside(group[next], other) {
-                    *taken = true;
-                    group.push(other);
-                }
-            }
-            next += 1;
-        }
-        group.sort_unstable();
-        groups.push(group);
-    }
-    groups
 }
 
 /// Searches a patch and verifies what it finds.
@@ -589,110 +426,4 @@ fn outlined(
         }
     }
     (fixed, boxes)
-}
-
-/// Where an arranged box starts its exact fit: along an axis with a seen side from that side, else
-/// midway between its neighbours, which share the slack of the row equally.
-fn settle(
-    image: &DepthImage,
-    settings: &VisionSettings,
-    patch: &Patch,
-    arranged: &[Candidate],
-    fixed: &[Candidate],
-) -> Vec<(Candidate, PlaneFrame)> {
-    const ROUNDS: usize = 60;
-    let all: Vec<Candidate> = arranged.iter().chain(fixed).copied().collect();
-    let half =
-        |c: &Candidate| extents(&settings.sizes[c.label as usize], c.turned).map(|e| e / 2.0);
-    let mut centres = Vec::new();
-    let mut held = Vec::new();
-    let mut turns = Vec::new();
-    for candidate in &all {
-        let start = start_frame(patch, candidate);
-        let sides = half(candidate).map(|h| 2.0 * h);
-        let fit = fit_rectangle(
-            image,
-            start,
-            sides,
-            settings.plane_tolerance,
-            &Fitting {
-                least_seen: LEAST_SEEN,
-                turn_seen: TURN_SEEN,
-                least_turning: 1,
-                passes: ROUGHLY,
-                sides: sides_with_edges(patch, candidate),
-            },
-        );
-        // A line's direction is known the better the longer it is and the more of it is seen.
-        let weight: f64 = (0..4)
-            .filter(|&k| fit.sides[k].seen >= TURN_SEEN)
-            .map(|k| fit.sides[k].seen * sides[1 - k / 2].powi(3))
-            .sum();
-        if weight > 0.0 {
-            let x = fit.frame.x;
-            turns.push((x.dot(&patch.frame.y).atan2(x.dot(&patch.frame.x)), weight));
-        }
-        let offset = fit.frame.origin - patch.frame.origin;
-        centres.push([offset.dot(&patch.frame.x), offset.dot(&patch.frame.y)]);
-        held.push([0, 1].map(|axis: usize| {
-            fit.sides[2 * axis].seen >= LEAST_SEEN || fit.sides[2 * axis + 1].seen >= LEAST_SEEN
-        }));
-    }
-    for _ in 0..ROUNDS {
-        for b in 0..all.len() {
-            for axis in 0..2 {
-                if held[b][axis] {
-                    continue;
-                }
-                let (mut sum, mut count) = (0.0, 0.0);
-                for (o, other) in all.iter().enumerate() {
-                    for (side, sign) in [(2 * axis, 1.0), (2 * axis + 1, -1.0)] {
-                        if o != b && touches(&all[b], other, side, patch.pitch) {
-                            sum +=
-                                centres[o][axis] + sign * (half(other)[axis] + half(&all[b])[axis]);
-                            count += 1.0;
-                        }
-                    }
-                }
-                if count > 0.0 {
-                    centres[b][axis] = sum / count;
-                }
-            }
-        }
-    }
-    // Boxes that hang together share their direction; outer sides show it best.
-    let turned = patch.frame.turned(shared_turn(&mut turns));
-    arranged
-        .iter()
-        .zip(centres)
-        .map(|(candidate, [x, y])| {
-            (
-                *candidate,
-                PlaneFrame {
-                    origin: patch.frame.point(x, y),
-                    ..turned
-                },
-            )
-        })
-        .collect()
-}
-
-/// Weighted mean of (turn, weight) close to their median; 0 of none.
-fn shared_turn(turns: &mut [(f64, f64)]) -> f64 {
-    const CLOSE: f64 = 0.01;
-    turns.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some(&(median, _)) = turns.get(turns.len() / 2) else {
-        return 0.0;
-    };
-    let close = turns.iter().filter(|t| (t.0 - median).abs() <= CLOSE);
-    let (sum, weight) = close.fold((0.0, 0.0), |s, t| (s.0 + t.0 * t.1, s.1 + t.1));
-    sum / weight
-}
-
-fn start_frame(patch: &Patch, candidate: &Candidate) -> PlaneFrame {
-    let (x, y) = candidate.centre(patch);
-    PlaneFrame {
-        origin: patch.frame.point(x, y),
-        ..patch.frame
-    }
 }

@@ -5,8 +5,9 @@ use nalgebra::{Matrix3, Rotation3, Translation3};
 
 use crate::{
     DetectedBox, RejectReason, VisionSettings,
+    class::Class,
     gate::DepthImage,
-    patch::{Class, pixel_pitch},
+    patch::pixel_pitch,
     plane::{PlaneFrame, fit_plane},
     sides::{
         FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, SideFit, anchored, edge_inside,

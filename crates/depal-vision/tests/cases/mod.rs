@@ -60,8 +60,8 @@ impl Case {
                 tilted.top += 0.008;
             }
             Self::TwoHeights => {
-                for n in 0..8 {
-                    cartons[n].top -= 0.1;
+                for carton in &mut cartons[..8] {
+                    carton.top -= 0.1;
                 }
             }
             Self::UpperCovers => {
