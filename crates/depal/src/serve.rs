@@ -18,6 +18,9 @@ use crate::listen::{Kind, Port, parse_listens};
 use crate::run::{explain, faults, load_scene, wall_seconds};
 use crate::serve_log::ServeLog;
 
+/// Beside the gripper and above its cups; all else as it is by itself.
+const BOARD: &str = "calibration.xyz_mm=[560, 0, 240]";
+
 /// Serves until told to stop, or replays a journal.
 pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     if args.replay.is_some() {
@@ -62,8 +65,20 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     served.map_err(environment)
 }
 
-fn cell_spec(scene: Option<&PathBuf>, set: &[String]) -> Result<CellSpec, Failure> {
-    load_scene(scene.map(PathBuf::as_path), set, None)?
+/// A client may want to calibrate whatever the scene is for: where it says nothing, a board hangs on the flange
+/// while command 701 is under way, if the arm can show it to the camera.
+fn cell_spec(file: Option<&PathBuf>, set: &[String]) -> Result<CellSpec, Failure> {
+    let file = file.map(PathBuf::as_path);
+    let scene = load_scene(file, set, None)?;
+    if scene.calibration.is_none() {
+        let with_board = [set, &[BOARD.to_owned()]].concat();
+        if let Ok(spec) = load_scene(file, &with_board, None)?.cell_spec()
+            && !spec.is_eye_in_hand()
+        {
+            return Ok(spec);
+        }
+    }
+    scene
         .cell_spec()
         .map_err(|error| Failure::Input(explain(&error)))
 }
