@@ -117,6 +117,12 @@ impl CameraSpec {
             "0 to 1",
             s.random_dropout,
         )?;
+        check(
+            not_negative(s.signal_distance),
+            "signal_distance",
+            "0 m or more",
+            s.signal_distance,
+        )?;
         check(share(s.ambient), "ambient", "0 to 1", s.ambient)?;
         check(
             s.grazing_start <= s.grazing_end && s.grazing_end <= FRAC_PI_2,
@@ -162,6 +168,14 @@ pub struct SensorSpec {
     /// The axial noise also goes with 1/sqrt(albedo x cosine of the projector incidence),
     /// by 0.5 to 3 times; brown board (albedo 0.5) head on is 1.
     pub radiometric_noise: bool,
+    /// The signal also falls with 1/z^2: albedo x cosine of the projector incidence x (z0 / z)^2, for
+    /// the noise and for [`Self::dark_limit`]. z0 is the distance for which the picture is exposed:
+    /// the camera meters the mean of 1/z^2 over what stands between near and far, but cannot expose
+    /// for more than this many metres. So a wall of brown board anywhere up to here has the deviation
+    /// of [`Self::axial_noise`] alone, which is given for a fitting exposure; within one picture what is
+    /// nearer than z0 is better and what is farther is worse by z / z0; and beyond here the deviation
+    /// grows with z^3. 0 = off: every distance gets the light that it needs.
+    pub signal_distance: f64,
     /// Peak-to-valley of a bowl-shaped depth error over the image, metres; the centre reads
     /// near, the corners far. 0 = off.
     pub bowl: f64,
@@ -201,6 +215,7 @@ impl SensorSpec {
             grazing_end: FRAC_PI_2,
             dark_limit: 0.0,
             radiometric_noise: false,
+            signal_distance: 0.0,
             bowl: 0.0,
             scale_error: 0.0,
             quantum: 0.0,
@@ -234,6 +249,7 @@ impl SensorSpec {
             grazing_end: 78.0_f64.to_radians(),
             dark_limit: 0.02,
             radiometric_noise: true,
+            signal_distance: 3.0,
             bowl: 0.0003,
             quantum: 0.0001,
             blur: true,
@@ -247,6 +263,7 @@ impl SensorSpec {
         Self {
             axial_noise: 0.000_225,
             lateral_jitter_px: 0.25,
+            signal_distance: 2.0,
             bowl: 0.000_15,
             ..Self::laser_3m()
         }

@@ -44,10 +44,12 @@ pub(crate) struct Lamp {
     far: f32,
     /// Deviation per z^2, head on.
     sigma: f32,
-    /// Least cosine to the projector.
+    /// Least cosine to the projector, at the distance of the exposure.
     dark_cos: f32,
-    /// sqrt of this times (distance to the projector / c1) is the factor of a weak signal.
+    /// sqrt of this times (distance to the projector / c1) is the factor of a weak signal there.
     weak: f32,
+    /// 1/sqrt of what distance does to the signal: this plus the other times z.
+    fall: (f32, f32),
     /// Least and greatest of that factor.
     factors: (f32, f32),
     /// Grey of a surface that the projector does not reach.
@@ -90,7 +92,9 @@ pub(crate) struct Lit {
 }
 
 impl Lamp {
-    pub fn new(spec: &CameraSpec, material: &Material) -> Self {
+    /// `exposed_for`: distance for which the picture is exposed, metres; none where the signal does not
+    /// depend on distance.
+    pub fn new(spec: &CameraSpec, material: &Material, exposed_for: Option<f64>) -> Self {
         let s = &spec.sensor;
         let albedo = material.albedo as f32;
         let ambient = s.ambient as f32;
@@ -109,6 +113,7 @@ impl Lamp {
                 / (NOISE_DISTANCE * NOISE_DISTANCE),
             dark_cos: s.dark_limit as f32 / albedo.max(1e-6),
             weak: NOISE_SIGNAL / albedo.max(1e-6),
+            fall: exposed_for.map_or((1.0, 0.0), |z| (0.0, (1.0 / z) as f32)),
             factors: if s.radiometric_noise {
                 SIGNAL_FACTORS
             } else {
@@ -138,13 +143,13 @@ impl Lamp {
         let c1 = c1.max(0.0);
         let cos_light = c1 * per_d;
         let oblique = (1.0 / cos_view).min(MOST_OBLIQUE);
-        let weak = (self.weak / cos_light.max(1e-9))
-            .sqrt()
+        let fall = self.fall.0 + self.fall.1 * z;
+        let weak = (fall * (self.weak / cos_light.max(1e-9)).sqrt())
             .max(self.factors.0)
             .min(self.factors.1);
         let lost = (z < self.near)
             | (z > self.far)
-            | (cos_light < self.dark_cos)
+            | (cos_light < self.dark_cos * (fall * fall))
             | (self.needs_light & (cos_light <= 0.0));
         Lit {
             depth: if lost { 0.0 } else { z },

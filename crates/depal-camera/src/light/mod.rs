@@ -1,5 +1,6 @@
 //! What the projector's light and the camera's aperture make of each pixel, before chance enters.
 
+mod exposure;
 mod lamp;
 mod patch;
 mod pixels;
@@ -14,6 +15,7 @@ pub(crate) use plan::Plan;
 use crate::raster::TILE;
 use crate::view::Face;
 use crate::{CameraSpec, Rendering};
+use exposure::exposure;
 use lamp::Lamp;
 
 /// Light and optics of one exposure.
@@ -31,6 +33,7 @@ impl<'a> Lighting<'a> {
         let i = rendering.intrinsics;
         let shapes = rendering.shapes.iter().map(|shape| &shape.material);
         let meshes = rendering.meshes.iter().map(|mesh| &mesh.material);
+        let exposed_for = exposure(spec, rendering);
         Self {
             spec,
             rendering,
@@ -39,7 +42,7 @@ impl<'a> Lighting<'a> {
                 .collect(),
             lamps: shapes
                 .chain(meshes)
-                .map(|material| Lamp::new(spec, material))
+                .map(|material| Lamp::new(spec, material, exposed_for))
                 .collect(),
         }
     }

@@ -4,6 +4,7 @@ mod losses;
 mod materials;
 mod noise;
 mod shadow;
+mod signal;
 mod terms;
 
 use depal_frames::{Pose, Shape};

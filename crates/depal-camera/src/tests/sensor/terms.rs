@@ -35,6 +35,7 @@ fn terms() -> Vec<(&'static str, SensorSpec, SensorSpec)> {
         "grazing": grazing_start, grazing_end;
         "darkness": dark_limit;
         "weak signal": axial_noise, radiometric_noise;
+        "signal and distance": axial_noise, radiometric_noise, signal_distance;
         "bowl": bowl;
         "scale": scale_error;
         "rounding": quantum;
