@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use rayon::prelude::*;
 
-use super::bowl::Bowl;
+use super::device::Device;
 use crate::light::{Lighting, LitTile, Plan};
 use crate::noise::{Counter, LatticeRows, RowBits, SmoothNoise, step_thresholds};
 use crate::raster::TILE;
@@ -30,7 +30,7 @@ pub(super) struct Sensor<'a> {
     pixel_noise: Counter,
     pub step_noise: Counter,
     smooth: SmoothNoise,
-    pub bowl: Bowl,
+    pub device: Device,
 }
 
 /// The last lit rows, in turn: image row v stands where v modulo their number is.
@@ -156,7 +156,7 @@ impl<'a> Sensor<'a> {
                 s.correlation_px.max(2),
                 rendering.intrinsics.width,
             ),
-            bowl: Bowl::new(spec),
+            device: Device::new(spec),
         }
     }
 

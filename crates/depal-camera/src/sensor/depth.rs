@@ -15,13 +15,12 @@ impl Sensor<'_> {
             (1.0 - s.correlated_share).sqrt() as f32,
             s.correlated_share.sqrt() as f32,
         );
-        let scale = 1.0 + s.scale_error as f32;
-        let bowl = self.bowl.row(v);
+        let (scale, bowl) = (self.device.scale, self.device.rows[v]);
         let steps_per_metre = 1.0 / s.quantum;
         let n = out.len();
         let (depth, sigma, keep) = (&row.depth[..n], &row.sigma[..n], &row.keep[..n]);
         let (chances, words) = (&row.words[1][..n], &row.words[2][..n]);
-        let (soft, bow) = (&row.smooth[..n], &self.bowl.columns[..n]);
+        let (soft, bow) = (&row.smooth[..n], &self.device.columns[..n]);
         // No closures: they would be compiled for the oldest processor.
         for u in 0..n {
             let noise = white * normal(words[u]) + smooth * soft[u];

@@ -1,8 +1,8 @@
 //! What the sensor makes of a rendering.
 
 mod band;
-mod bowl;
 mod depth;
+mod device;
 mod intensity;
 mod source;
 mod steps;

@@ -1,5 +1,6 @@
 //! The sensor model against its own formulas.
 
+mod device;
 mod losses;
 mod materials;
 mod noise;

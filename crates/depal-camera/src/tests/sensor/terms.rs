@@ -3,10 +3,9 @@
 use super::*;
 use crate::Material;
 
-/// The whole model. A rounding of disparity and an error of scale are no part of the preset.
+/// The whole model. A rounding of disparity is no part of the preset.
 fn all() -> SensorSpec {
     SensorSpec {
-        scale_error: 0.0005,
         disparity_step_px: 0.05,
         ..SensorSpec::laser_3m()
     }
