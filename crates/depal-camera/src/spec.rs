@@ -159,7 +159,9 @@ pub struct SensorSpec {
     pub lateral_jitter_px: f64,
     /// Share of the pixels at a depth step that are lost. 0 = off.
     pub edge_dropout: f64,
-    /// Share of the pixels at a depth step that land half-way between both surfaces. 0 = off.
+    /// Share of the pixels at a depth step that land between both surfaces. Where between them is the
+    /// weight that the blurred edge has in the pixel, a blur's cumulative share at the edge's place in
+    /// it; that place is by chance, so the weight is uniform from 0 to 1. 0 = off.
     pub mixed_pixels: f64,
     /// A depth range above this within 3x3 pixels is a step, metres.
     pub step: f64,

@@ -22,12 +22,15 @@ impl Sensor<'_> {
             if row.depth[u] == 0.0 {
                 continue;
             }
-            let chance = self.step_noise.word((v * width + u) as u64) >> 32;
+            let word = self.step_noise.word((v * width + u) as u64);
+            let chance = word >> 32;
             if chance < dropout {
                 row.depth[u] = 0.0;
             } else if chance < dropout + mixed {
                 let (nearest, farthest) = self.depth_range(u, v);
-                row.depth[u] = 0.5 * (nearest + farthest);
+                // The lower half of the word is independent of the upper one.
+                let weight = (word as u32 >> 8) as f32 * (1.0 / 16_777_216.0);
+                row.depth[u] = farthest + weight * (nearest - farthest);
             }
         }
     }

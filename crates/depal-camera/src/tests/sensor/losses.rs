@@ -11,7 +11,9 @@ fn pixels_at_a_step_drop_or_mix_in_the_given_shares() {
     };
     let spec = camera(640, 480, sensor);
     let plate = solid(1, Shape::cuboid(4.0, 0.6, 0.2), [0.0, 0.0, 1.9], [0.0; 3]);
-    let (mut at_step, mut lost, mut mixed, mut elsewhere) = (0.0, 0.0, 0.0, 0);
+    let (mut at_step, mut lost, mut elsewhere) = (0.0, 0.0, 0);
+    // Shares of the way from the near surface to the far one.
+    let mut between = Vec::new();
     for seed in 0..4 {
         let shot = shoot(&spec, &[plate.clone(), wall(0, 2.3)], seed);
         for v in 1..479 {
@@ -23,7 +25,9 @@ fn pixels_at_a_step_drop_or_mix_in_the_given_shares() {
                 if step && (u > 0 && u < 639) {
                     at_step += 1.0;
                     lost += f64::from(u8::from(z == 0.0));
-                    mixed += f64::from(u8::from(z > 1.85 && z < 2.25));
+                    if z != 0.0 && z != exact {
+                        between.push(f64::from(z - 1.8) / 0.5);
+                    }
                 } else if !step && z != exact {
                     elsewhere += 1;
                 }
@@ -36,11 +40,21 @@ fn pixels_at_a_step_drop_or_mix_in_the_given_shares() {
         "{}",
         lost / at_step
     );
+    let mixed = between.len() as f64;
     assert!(
         (mixed / at_step - 0.1_f64).abs() < 0.02,
         "{}",
         mixed / at_step
     );
+    // Anywhere between, one place as often as another.
+    let share = |from: f64| {
+        let inside = |x: &&f64| (from..from + 0.25).contains(*x);
+        between.iter().filter(inside).count() as f64 / mixed
+    };
+    for quarter in [0.0, 0.25, 0.5, 0.75] {
+        let share = share(quarter);
+        assert!((share - 0.25).abs() < 0.06, "{quarter}: {share}");
+    }
     assert_eq!(elsewhere, 0);
 }
 
