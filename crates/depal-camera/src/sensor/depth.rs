@@ -26,6 +26,9 @@ impl Sensor<'_> {
             let noise = white * normal(words[u]) + smooth * soft[u];
             out[u] = depth[u] * scale + (bow[u] + bowl) + sigma[u] * noise;
         }
+        if s.disparity_step_px > 0.0 {
+            self.round_disparity(out);
+        }
         if s.quantum > 0.0 {
             for value in out.iter_mut() {
                 let steps = nearest_integer(f64::from(*value) * steps_per_metre);
@@ -39,16 +42,18 @@ impl Sensor<'_> {
             let seen = (depth[u] > 0.0) & kept & lucky & in_range;
             out[u] = if seen { out[u] } else { 0.0 };
         }
-        if s.disparity_step_px > 0.0 {
-            self.round_disparity(out);
-        }
     }
 
-    /// Rounds depths to whole steps of disparity, fx * baseline / z.
+    /// Rounds depths to whole steps of disparity.
     #[inline(always)]
     fn round_disparity(&self, row: &mut [f32]) {
-        let i = &self.rendering.intrinsics;
-        let steps = i.fx * self.spec.baseline.abs() / self.spec.sensor.disparity_step_px;
+        let s = &self.spec.sensor;
+        let base = if s.disparity_base > 0.0 {
+            s.disparity_base
+        } else {
+            self.rendering.intrinsics.fx * self.spec.baseline.abs()
+        };
+        let steps = base / s.disparity_step_px;
         for z in row {
             if *z > 0.0 {
                 let disparity = nearest_integer(steps / f64::from(*z));

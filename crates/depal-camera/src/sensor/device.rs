@@ -16,7 +16,7 @@ pub(super) struct Device {
     pub scale: f32,
     /// Share of the bowl that each column adds, metres.
     pub columns: Vec<f32>,
-    /// Share of the bowl that each row adds, metres.
+    /// Share of the bowl that each row adds, and the bias of distance, metres.
     pub rows: Vec<f32>,
 }
 
@@ -45,14 +45,15 @@ impl Device {
         // Peaks of a sum of one of each are the sums of their peaks.
         let height = (c1 - c0) + (r1 - r0);
         let unit = if height > 0.0 { s.bowl / height } else { 0.0 };
-        let levelled = |values: Vec<f64>, least: f64, most: f64| {
+        let levelled = |values: Vec<f64>, least: f64, most: f64, bias: f64| {
             let level = f64::midpoint(least, most);
-            values.iter().map(|x| ((x - level) * unit) as f32).collect()
+            let value = |x: &f64| ((x - level) * unit + bias) as f32;
+            values.iter().map(value).collect()
         };
         Self {
             scale: 1.0 + (sign(0) * s.scale_error) as f32,
-            columns: levelled(columns, c0, c1),
-            rows: levelled(rows, r0, r1),
+            columns: levelled(columns, c0, c1, 0.0),
+            rows: levelled(rows, r0, r1, sign(6) * s.distance_bias),
         }
     }
 }

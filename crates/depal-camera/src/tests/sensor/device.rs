@@ -85,3 +85,34 @@ fn the_laser_presets_carry_both() {
         assert!((0.0002..=0.0005).contains(&sensor.scale_error));
     }
 }
+
+#[test]
+fn the_bias_is_the_same_at_all_distances_and_only_time_of_flight_has_it() {
+    let sensor = SensorSpec {
+        distance_bias: 0.011,
+        ..SensorSpec::ideal()
+    };
+    for z in [1.0, 3.0] {
+        for error in errors(sensor, z, 7) {
+            assert!((error.abs() - 0.011).abs() < 1e-6, "{error} at {z} m");
+        }
+    }
+    assert_eq!(SensorSpec::time_of_flight().distance_bias, 0.011);
+    assert_eq!(SensorSpec::laser_3m().distance_bias, 0.0);
+    assert_eq!(SensorSpec::active_stereo().distance_bias, 0.0);
+}
+
+#[test]
+fn active_stereo_delivers_whole_steps_of_its_own_disparity() {
+    // Its steps are those of 640 px and 50 mm, whatever the picture's size and the projector's place.
+    let sensor = SensorSpec::active_stereo();
+    let shot = shoot(&camera(WIDTH, HEIGHT, sensor), &[wall(0, 3.0)], 3);
+    let mut seen = std::collections::BTreeSet::new();
+    for z in shot.frame.depth.iter().filter(|z| **z > 0.0) {
+        let steps = 640.0 * 0.05 / 0.08 / f64::from(*z);
+        // Half a millimetre of rounding at 3 m is 0.022 steps; noise goes up to 0.1 m nearer.
+        assert!((steps - steps.round()).abs() < 0.03, "{z} m: {steps} steps");
+        seen.insert(steps.round() as i64);
+    }
+    assert!((4..20).contains(&seen.len()), "{seen:?}");
+}

@@ -3,10 +3,11 @@
 use super::*;
 use crate::Material;
 
-/// The whole model. A rounding of disparity is no part of the preset.
+/// The whole model. A rounding of disparity and a bias of distance are no part of the preset.
 fn all() -> SensorSpec {
     SensorSpec {
         disparity_step_px: 0.05,
+        distance_bias: 0.011,
         ..SensorSpec::laser_3m()
     }
 }
@@ -37,6 +38,7 @@ fn terms() -> Vec<(&'static str, SensorSpec, SensorSpec)> {
         "signal and distance": axial_noise, radiometric_noise, signal_distance;
         "bowl": bowl;
         "scale": scale_error;
+        "bias": distance_bias;
         "rounding": quantum;
         "disparity": disparity_step_px;
         "lens": blur;
