@@ -224,6 +224,15 @@ pub struct SensorSpec {
     pub blur: bool,
     /// Standard deviation of the intensity, grey steps. 0 = off.
     pub intensity_noise: f64,
+    /// Several exposures: what the projector's mirror image over-exposes in one is measured in another.
+    /// Its brightness in the intensity image stays.
+    pub hdr: bool,
+    /// Vendor filter: a pixel with which fewer than three of its eight neighbours agree is lost. To
+    /// agree is to differ by no more than [`Self::step`] and four times the axial noise.
+    pub outlier_removal: bool,
+    /// Vendor filter, after the other: each measured pixel takes the median of those measured in 3x3
+    /// around it, the nearer of the middle two of an even number. Nothing is filled.
+    pub median: bool,
     /// The lens is covered: no depth anywhere, intensity 0.
     pub blackout: bool,
 }
@@ -257,6 +266,9 @@ impl SensorSpec {
             exposure_distance: 1.8,
             blur: false,
             intensity_noise: 0.0,
+            hdr: false,
+            outlier_removal: false,
+            median: false,
             blackout: false,
         }
     }

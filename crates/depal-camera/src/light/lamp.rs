@@ -3,7 +3,7 @@
 use crate::{CameraSpec, Material};
 
 /// Distance for which `SensorSpec::axial_noise` is given, metres.
-const NOISE_DISTANCE: f32 = 3.0;
+pub(crate) const NOISE_DISTANCE: f32 = 3.0;
 /// Albedo times projector cosine at which the axial noise is as given (brown board, head on).
 const NOISE_SIGNAL: f32 = 0.5;
 /// A weak or strong signal changes the axial noise by no more than these factors.

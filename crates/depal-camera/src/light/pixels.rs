@@ -87,7 +87,9 @@ impl Lighting<'_> {
                 for n in (0..TILE).filter(|n| solid[*n] == own) {
                     let (w, x, k, c1) = (w[n], x[n], k[n], c1[n]);
                     if lamp.is_over_exposed(Hit { w, x, yy, k, c1 }) {
-                        depth[n] = 0.0;
+                        if !self.spec.sensor.hdr {
+                            depth[n] = 0.0;
+                        }
                         grey[n] += 255.0 * lamp.gloss;
                     }
                 }

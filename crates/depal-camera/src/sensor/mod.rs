@@ -3,6 +3,7 @@
 mod band;
 mod depth;
 mod device;
+mod filter;
 mod intensity;
 mod source;
 mod steps;
@@ -20,7 +21,7 @@ use band::{ROWS, Sensor};
 ///
 /// Order of effects: sideways jitter picks the source pixel; range, shadow, grazing, darkness,
 /// over-exposure, chance and depth steps take pixels away; bowl, scale and axial noise move the depth;
-/// rounding last.
+/// then rounding; last the vendor's filters.
 pub fn sense(spec: &CameraSpec, rendering: &Rendering, noise_seed: u64) -> Capture {
     let mut capture = Capture {
         frame: DepthFrame {
@@ -85,6 +86,7 @@ pub fn sense_frame(
         return;
     }
     Sensor::new(spec, rendering, noise_seed).fill(&mut frame.depth, &mut frame.intensity);
+    filter::apply(&spec.sensor, i.width, &mut frame.depth);
 }
 
 /// Ids and exact depths of a band.

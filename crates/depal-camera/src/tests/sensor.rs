@@ -1,6 +1,7 @@
 //! The sensor model against its own formulas.
 
 mod device;
+mod filter;
 mod losses;
 mod materials;
 mod noise;
