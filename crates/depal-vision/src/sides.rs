@@ -309,7 +309,7 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [Si
     let any_clear = sides.iter().any(|side| {
         !side.shadowed && side.crossings.len() as f64 >= fitting.turn_seen * side.lines as f64
     });
-    for width in [3.0, 2.0, 1.2, 1.0, 1.0] {
+    for (round, width) in [3.0, 2.0, 1.2, 1.0, 1.0].into_iter().enumerate() {
         let scale = 1.0 / (width * pitch).powi(2);
         let (mut top, mut bottom) = (0.0, 1e-12);
         let mut turning = 0;
@@ -320,7 +320,13 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [Si
             for c in &side.crossings {
                 let error = c.beyond - offsets[k] + turn * c.along;
                 let q = error * error * scale;
-                let weight = 1.0 / ((1.0 + q) * (1.0 + q));
+                // At last the plain mean of all that are close: how many of them lie a pixel farther out tells
+                // where between two pixels the side is, and a mean has the inset that was reckoned.
+                let weight = if round == 4 {
+                    f64::from(u8::from(q < 3.0))
+                } else {
+                    1.0 / ((1.0 + q) * (1.0 + q))
+                };
                 close += usize::from(q < 2.25);
                 w += weight;
                 wt += weight * c.along;

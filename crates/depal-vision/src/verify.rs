@@ -26,6 +26,11 @@ const LEAST_TRUE_EDGES: usize = 2;
 /// Share of a side's extent that a shadow may hide and still be slid under.
 const MOST_HIDDEN: f64 = 0.2;
 
+/// A point lies on a side's plane within so many root mean squares of the plane's own residuals,
+const SHARP: f64 = 4.0;
+/// and at least within this, metres.
+const LEAST_SHARP: f64 = 0.001;
+
 /// What is demanded of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Proof {
@@ -102,7 +107,12 @@ fn check(
             sides,
         },
     };
-    let mut fit = fit_rectangle(image, frame, extents, tolerance, &fitting);
+    // The wall of a neighbour that is seen inside a gap lies on the plane as deep as the tolerance.
+    let sharp = match proof {
+        Proof::Outline => tolerance.min((SHARP * rms).max(LEAST_SHARP)),
+        Proof::Arrangement { .. } => tolerance,
+    };
+    let mut fit = fit_rectangle(image, frame, extents, sharp, &fitting);
     for axis in 0..2 {
         let blind =
             |fit: &RectangleFit| !(0..2).any(|k| fit.sides[2 * axis + k].is_true_edge(LEAST_SEEN));
@@ -111,7 +121,7 @@ fn check(
         }
         let reach = extents[axis] * (1.0 - settings.min_visible).min(MOST_HIDDEN);
         if let Some(frame) = anchored(image, &fit.frame, extents, tolerance, axis, reach) {
-            let again = fit_rectangle(image, frame, extents, tolerance, &fitting);
+            let again = fit_rectangle(image, frame, extents, sharp, &fitting);
             if !blind(&again) {
                 fit = again;
             }

@@ -81,3 +81,24 @@ fn a_second_sensor_model_with_and_without_intensity() {
         }
     }
 }
+
+/// Inside a gap the wall of the neighbour is seen, and the pixels lie along the edges: neither may move a carton.
+#[test]
+fn the_second_sensor_model_measures_a_pixel_finely_enough() {
+    for layout in [Layout::Regular20, Layout::Brick20, Layout::Pinwheel21] {
+        for gap in [5.0, 3.0] {
+            let mut score = Score::default();
+            for seed in 12_000..12_003 {
+                let cartons = generator::cartons(layout, gap * 1e-3, seed);
+                let frame = generator::frame(&cartons, Noise::White, false, seed);
+                let settings = VisionSettings::new(layout.sizes()).suited_to(&frame);
+                score.add(&generator::at(), &cartons, &detect(&frame, &settings).boxes);
+            }
+            all_found(&format!("{layout:?} {gap} mm"), &score);
+            let line = score.line();
+            assert!(quantile(&score.xy_mm, 0.5) <= 0.4, "{layout:?}: {line}");
+            assert!(quantile(&score.xy_mm, 0.95) <= 1.0, "{layout:?}: {line}");
+            assert!(quantile(&score.yaw_deg, 0.95) <= 0.2, "{layout:?}: {line}");
+        }
+    }
+}
