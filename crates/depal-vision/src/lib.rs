@@ -29,6 +29,7 @@
 //!    several such readings the one whose every carton is one plane.
 //!    `measure`: tops of unknown size, where all four sides fall away.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
+//!    `joint`: the cartons of a covering are placed together, by sides, by seams and by each other.
 //! 8. `verify`: size, wholeness, cover, tilt. `obstacles`: what nothing reported explains.
 //!
 //! # Units and frames
@@ -73,6 +74,7 @@ mod detection;
 mod even;
 mod gate;
 mod ink;
+mod joint;
 mod measure;
 mod neighbours;
 mod noise;

@@ -10,6 +10,7 @@ use crate::{
     cover::uncovered,
     even::is_even,
     gate::DepthImage,
+    joint::place_together,
     measure::measure_whole,
     orientation::{main_direction, outline},
     patch::{Grid, Patch, SHARP_RIM, pixel_pitch},
@@ -348,7 +349,7 @@ impl Surface {
                     sides: sides_with_edges(&patch, &candidate),
                 },
             ) {
-                Ok(found) => arranged.push(found),
+                Ok(found) => arranged.push((candidate, found)),
                 Err(reason) => rejected.push(RejectedSurface {
                     reason,
                     centre_in_camera: start.origin,
@@ -356,6 +357,13 @@ impl Surface {
                 }),
             }
         }
+        let seen = arranged.len();
+        arranged.extend(fixed.iter().copied().zip(boxes.iter().cloned()));
+        place_together(image, settings, &patch, &mut arranged);
+        for (placed, (_, moved)) in boxes.iter_mut().zip(arranged.drain(seen..)) {
+            *placed = moved;
+        }
+        let arranged: Vec<DetectedBox> = arranged.into_iter().map(|(_, found)| found).collect();
         // A box in the middle has no side of its own to show; those around it must have theirs.
         let proven = |b: &DetectedBox| b.proven_sides > 0;
         let all = || arranged.iter().chain(&boxes).chain(beside);

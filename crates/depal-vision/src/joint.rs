@@ -1,0 +1,353 @@
+//! Stage 8b: cartons that follow from a covering are placed together, by all that is seen of them.
+//!
+//! Three kinds of evidence, each with its variance: sides that show an edge; seams, where one carton's plane gives
+//! way to its neighbour's; and that touching cartons stand apart by their sides and one common gap. The last holds
+//! half way down: a carton that leans has its top beside its middle.
+
+use depal_frames::{Point, Rotation, Vector};
+
+use crate::{
+    DetectedBox, VisionSettings,
+    arrange::touches,
+    gate::DepthImage,
+    patch::{Patch, pixel_pitch},
+    plane::{Plane, PlaneFrame},
+    search::{Candidate, extents, sides_with_edges},
+    sides::{Fitting, INSET_PIXELS, fit_rectangle},
+    verify::LEAST_SEEN,
+};
+
+/// How well a side that is seen over its whole length is known, pixels: most of it is where between two pixels
+/// it lies, when it runs along their rows.
+const SIDE_PIXELS: f64 = 0.3;
+/// How evenly touching cartons stand, metres.
+const PAIR_SIGMA: f64 = 0.000_2;
+/// Pixels looked at across a seam, to each side of its middle one.
+const REACH: i32 = 3;
+/// What planes are mistaken by near their ends, metres.
+const PLANE_ERROR: f64 = 0.000_05;
+/// Pixels along a seam whose noise is one.
+const CORRELATED: f64 = 4.0;
+/// No carton is moved farther than this, pixels.
+const FARTHEST: f64 = 1.5;
+
+/// A carton of the covering.
+struct Member {
+    candidate: Candidate,
+    /// Origin in the middle of its top, X close to the patch's.
+    frame: PlaneFrame,
+    half: [f64; 2],
+    /// How far its top lies beside its middle, along the patch's axes.
+    lean: [f64; 2],
+    /// The middle of its top in the patch's axes.
+    top: [f64; 2],
+    /// Measured middles of its top for each axis, as sums of weight and of weight times place.
+    measured: [[f64; 2]; 2],
+}
+
+impl Member {
+    fn new(found: &DetectedBox, candidate: Candidate, patch: &Patch) -> Self {
+        let pose = &found.camera_from_box;
+        let origin = Point::from(pose.translation.vector);
+        let normal = axis_of(&pose.rotation, 2);
+        let aligned = [0, 1]
+            .map(|k| axis_of(&pose.rotation, k))
+            .into_iter()
+            .max_by(|a, b| {
+                let share = |v: &Vector| v.dot(&patch.frame.x).abs();
+                share(a).total_cmp(&share(b))
+            })
+            .unwrap_or(patch.frame.x);
+        let x = aligned * aligned.dot(&patch.frame.x).signum();
+        let frame = PlaneFrame {
+            plane: Plane {
+                coefficient: normal / normal.dot(&origin.coords),
+            },
+            origin,
+            x,
+            y: normal.cross(&x),
+        };
+        let offset = origin - patch.frame.origin;
+        let axes = [patch.frame.x, patch.frame.y];
+        Self {
+            candidate,
+            frame,
+            half: extents(&found.size, candidate.turned).map(|e| e / 2.0),
+            lean: axes.map(|a| normal.dot(&a) * found.size.height / 2.0),
+            top: axes.map(|a| offset.dot(&a)),
+            measured: [[0.0; 2]; 2],
+        }
+    }
+
+    fn direction(&self, axis: usize) -> Vector {
+        if axis == 0 {
+            self.frame.x
+        } else {
+            self.frame.y
+        }
+    }
+
+    /// Takes in that the middle of the top lies `shift` metres from where it was taken to be.
+    fn observe(&mut self, axis: usize, shift: f64, variance: f64) {
+        let weight = 1.0 / variance;
+        self.measured[axis][0] += weight;
+        self.measured[axis][1] += weight * (self.top[axis] + shift);
+    }
+}
+
+fn axis_of(rotation: &Rotation, k: usize) -> Vector {
+    rotation * Vector::ith(k, 1.0)
+}
+
+/// `high` touches the side of `low` with the larger coordinate.
+struct Pair {
+    low: usize,
+    high: usize,
+    axis: usize,
+}
+
+/// Moves the cartons of a covering, each in its own plane, to where all that is seen places them together.
+pub fn place_together(
+    image: &DepthImage,
+    settings: &VisionSettings,
+    patch: &Patch,
+    placed: &mut [(Candidate, DetectedBox)],
+) {
+    let mut members: Vec<Member> = placed
+        .iter()
+        .map(|(candidate, found)| Member::new(found, *candidate, patch))
+        .collect();
+    let mut pairs = Vec::new();
+    for (low, a) in members.iter().enumerate() {
+        for (high, b) in members.iter().enumerate() {
+            for axis in 0..2 {
+                if low != high && touches(&a.candidate, &b.candidate, 2 * axis + 1, patch.pitch) {
+                    pairs.push(Pair { low, high, axis });
+                }
+            }
+        }
+    }
+    for member in &mut members {
+        observe_sides(image, settings, patch, member);
+    }
+    let (_, gap) = solve(&members, &pairs);
+    for pair in &pairs {
+        observe_seam(image, settings, &mut members, pair, gap);
+    }
+    let (middles, _) = solve(&members, &pairs);
+    let most = FARTHEST * patch.pitch;
+    for ((member, middle), (_, found)) in members.iter().zip(middles).zip(placed) {
+        let shift = [0, 1].map(|k| middle[k] + member.lean[k] - member.top[k]);
+        if shift.iter().all(|s| s.abs() <= most) {
+            let moved = member.frame.point(shift[0], shift[1]);
+            found.camera_from_box.translation.vector = moved.coords;
+        }
+    }
+}
+
+/// Sides that show a true edge.
+fn observe_sides(
+    image: &DepthImage,
+    settings: &VisionSettings,
+    patch: &Patch,
+    member: &mut Member,
+) {
+    let sides = member.half.map(|h| 2.0 * h);
+    let fit = fit_rectangle(
+        image,
+        member.frame,
+        sides,
+        settings.plane_tolerance,
+        &Fitting {
+            least_seen: LEAST_SEEN,
+            turn_seen: 2.0,
+            least_turning: 4,
+            passes: &[(3.0, 1.0)],
+            sides: sides_with_edges(patch, &member.candidate),
+        },
+    );
+    let pitch = pixel_pitch(&member.frame, &image.intrinsics);
+    let moved = fit.frame.origin - member.frame.origin;
+    for (k, side) in fit.sides.iter().enumerate() {
+        let (axis, sign) = (k / 2, if k % 2 == 0 { -1.0 } else { 1.0 });
+        if side.is_true_edge(LEAST_SEEN) {
+            let beyond = side.offset + INSET_PIXELS * pitch;
+            let shift = moved.dot(&member.direction(axis)) + sign * beyond;
+            let sigma = SIDE_PIXELS * pitch / side.seen.min(1.0);
+            member.observe(axis, shift, sigma * sigma);
+        }
+    }
+}
+
+/// The place along each line across a seam where one plane gives way to the other: how many of its pixels lie on
+/// the first tells it, and the distance of each pixel from the second, in parts of that between the planes, counts
+/// them. Lines count by the square of that distance. What is seen there is the edge of the higher one.
+fn observe_seam(
+    image: &DepthImage,
+    settings: &VisionSettings,
+    members: &mut [Member],
+    pair: &Pair,
+    gap: f64,
+) {
+    /// Lines are so many pixels apart.
+    const STRIDE: f64 = 2.0;
+    /// Away from the corners, metres.
+    const MARGIN: f64 = 0.008;
+    let (a, b) = (&members[pair.low], &members[pair.high]);
+    let (axis, across) = (pair.axis, 1 - pair.axis);
+    let k = &image.intrinsics;
+    let pitch = pixel_pitch(&a.frame, k);
+    let low = (a.top[across] - a.half[across]).max(b.top[across] - b.half[across]) + MARGIN;
+    let high = (a.top[across] + a.half[across]).min(b.top[across] + b.half[across]) - MARGIN;
+    let lines = ((high - low) / (STRIDE * pitch)).floor();
+    if lines < 8.0 {
+        return;
+    }
+    let (outward, tangent) = (a.direction(axis), a.direction(across));
+    let (width, height) = (image.width as i32, image.height as i32);
+    let tolerance = settings.plane_tolerance;
+    let pixels = f64::from(2 * REACH + 1);
+    // For the lines where the first and where the second is the higher one.
+    let mut weights = [0.0; 2];
+    let mut places = [0.0; 2];
+    let mut counts = [0.0; 2];
+    let seam = f64::midpoint(a.top[axis] + a.half[axis], b.top[axis] - b.half[axis]) - a.top[axis];
+    for line in 0..lines as usize {
+        let along = low + (line as f64 + 0.5) / lines * (high - low) - a.top[across];
+        let middle = a.frame.origin + outward * seam + tangent * along;
+        let (u, v) = k.project(&middle);
+        let (u1, v1) = k.project(&(middle + outward * pitch));
+        let (du, dv) = (u1 - u, v1 - v);
+        // One pixel for each step along the longer axis of the image, from centre to centre.
+        let (du, dv, u, v) = if du.abs() > dv.abs() {
+            (
+                du.signum(),
+                dv / du.abs(),
+                u.round(),
+                v + (u.round() - u) * dv / du,
+            )
+        } else {
+            (
+                du / dv.abs(),
+                dv.signum(),
+                u + (v.round() - v) * du / dv,
+                v.round(),
+            )
+        };
+        let at = |s: i32| (u + du * f64::from(s), v + dv * f64::from(s));
+        let depths = [-REACH, REACH].map(|s| {
+            let (u, v) = at(s);
+            let ray = k.ray(u, v);
+            [a.frame.plane.depth(&ray), b.frame.plane.depth(&ray)]
+        });
+        let expected = |s: i32, n: usize| {
+            let share = f64::from(s + REACH) / f64::from(2 * REACH);
+            depths[0][n] + (depths[1][n] - depths[0][n]) * share
+        };
+        let apart = expected(0, 1) - expected(0, 0);
+        let mut sum = 0.0;
+        for s in -REACH..=REACH {
+            let (u, v) = at(s);
+            let (u, v) = (u.round() as i32, v.round() as i32);
+            if u < 0 || v < 0 || u >= width || v >= height {
+                return;
+            }
+            let z = f64::from(image.depth[v as usize * image.width + u as usize]);
+            let [on_a, on_b] = [expected(s, 0), expected(s, 1)];
+            let known = z > 0.0 && (z - on_a).abs().min((z - on_b).abs()) <= tolerance;
+            // What is lost may belong to either.
+            sum += if known { on_b - z } else { apart / 2.0 };
+        }
+        let upper = usize::from(apart < 0.0);
+        let frame = [&a.frame, &b.frame][upper];
+        let of = |(u, v): (f64, f64)| {
+            let (x, y) = frame.of_pixel(k, u, v);
+            [x, y][axis]
+        };
+        let (first, last) = (of(at(-REACH)), of(at(REACH)));
+        let step = (last - first) / f64::from(2 * REACH);
+        let weight = apart * apart;
+        weights[upper] += weight;
+        counts[upper] += 1.0;
+        places[upper] += weight * (first - step / 2.0) + step * apart * sum;
+    }
+    let noise = tolerance / 6.0;
+    let shifts = [0, 1].map(|n| {
+        let member = [a, b][n];
+        let sign = [1.0, -1.0][n];
+        let place = places[n] / weights[n].max(1e-12);
+        let shift = place - sign * (member.half[axis] + gap / 2.0);
+        let sides = noise * noise * pixels * CORRELATED
+            + PLANE_ERROR * PLANE_ERROR * counts[n] * pixels * pixels / 4.0;
+        let variance = pitch * pitch * (sides / weights[n].max(1e-12) + 0.04);
+        (shift, variance)
+    });
+    for (n, member) in [pair.low, pair.high].into_iter().enumerate() {
+        let (shift, variance) = shifts[n];
+        if counts[n] >= 8.0 && shift.abs() < 2.0 * pitch {
+            members[member].observe(axis, shift, variance);
+        }
+    }
+}
+
+/// Least squares over the middles of all cartons and their common gap.
+fn solve(members: &[Member], pairs: &[Pair]) -> (Vec<[f64; 2]>, f64) {
+    const ROUNDS: usize = 200;
+    /// Rounds after which pairs are weighed anew.
+    const AGAIN: usize = 40;
+    /// Pairs that stand farther from the common gap than so many deviations count less and less.
+    const LOOSE: f64 = 3.0;
+    /// At first each carton stands where it is seen, and pairs count little: as if by this, metres.
+    const SOFT: f64 = 1.0 / (0.001 * 0.001);
+    let mut middles: Vec<[f64; 2]> = members
+        .iter()
+        .map(|m| [0, 1].map(|k| m.top[k] - m.lean[k]))
+        .collect();
+    let mut gap = 0.0;
+    let apart =
+        |pair: &Pair| members[pair.low].half[pair.axis] + members[pair.high].half[pair.axis];
+    let mut weights = vec![SOFT; pairs.len()];
+    for round in 0..ROUNDS {
+        let mut sums: Vec<[[f64; 2]; 2]> = members
+            .iter()
+            .map(|m| {
+                [0, 1].map(|k| {
+                    let [weight, sum] = m.measured[k];
+                    [weight, sum - weight * m.lean[k]]
+                })
+            })
+            .collect();
+        for (pair, between) in pairs.iter().zip(&weights) {
+            let distance = apart(pair) + gap;
+            let axis = pair.axis;
+            let low = &mut sums[pair.low][axis];
+            low[0] += between;
+            low[1] += between * (middles[pair.high][axis] - distance);
+            let high = &mut sums[pair.high][axis];
+            high[0] += between;
+            high[1] += between * (middles[pair.low][axis] + distance);
+        }
+        for (middle, sums) in middles.iter_mut().zip(&sums) {
+            for axis in 0..2 {
+                let [weight, sum] = sums[axis];
+                if weight > 0.0 {
+                    // Not all the way: all move at once.
+                    middle[axis] += 0.7 * (sum / weight - middle[axis]);
+                }
+            }
+        }
+        let beyond = |p: &Pair| middles[p.high][p.axis] - middles[p.low][p.axis] - apart(p);
+        let (total, weight) = pairs
+            .iter()
+            .zip(&weights)
+            .fold((0.0, 1e-12), |s, (p, w)| (s.0 + w * beyond(p), s.1 + w));
+        gap = (total / weight).max(0.0);
+        if (round + 1) % AGAIN == 0 {
+            for (pair, weight) in pairs.iter().zip(&mut weights) {
+                let off = (beyond(pair) - gap) / (LOOSE * PAIR_SIGMA);
+                *weight = 1.0 / (PAIR_SIGMA * (1.0 + off * off)).powi(2);
+            }
+        }
+    }
+    (middles, gap)
+}
