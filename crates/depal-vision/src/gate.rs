@@ -8,7 +8,7 @@ use crate::{RegionOfInterest, VisionSettings, smear::sharpened};
 const LARGEST_DEPTH: f32 = 60.0;
 
 /// Steps narrower than this are left as they are, pixels.
-const LEAST_SMEAR: usize = 5;
+pub(crate) const LEAST_SMEAR: usize = 5;
 
 /// A checked depth image.
 pub struct DepthImage<'a> {

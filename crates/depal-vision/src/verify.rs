@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Rotation3, Translation3};
 use crate::{
     DetectedBox, RejectReason, VisionSettings,
     class::Class,
-    gate::DepthImage,
+    gate::{DepthImage, LEAST_SMEAR},
     patch::pixel_pitch,
     plane::{PlaneFrame, fit_plane},
     sides::{
@@ -107,10 +107,12 @@ fn check(
             sides,
         },
     };
-    // The wall of a neighbour that is seen inside a gap lies on the plane as deep as the tolerance.
-    let sharp = match proof {
-        Proof::Outline => tolerance.min((SHARP * rms).max(LEAST_SHARP)),
-        Proof::Arrangement { .. } => tolerance,
+    // The wall of a neighbour that is seen inside a gap lies on the plane as deep as the tolerance. Where steps are
+    // smeared, the face itself sags towards its sides.
+    let sharp = if proof == Proof::Outline && settings.smear_px < LEAST_SMEAR {
+        tolerance.min((SHARP * rms).max(LEAST_SHARP))
+    } else {
+        tolerance
     };
     let mut fit = fit_rectangle(image, frame, extents, sharp, &fitting);
     for axis in 0..2 {
