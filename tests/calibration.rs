@@ -1,46 +1,12 @@
 //! Command 701 from a RAPID program to the last picture: a camera that hangs elsewhere than believed.
 
-use std::sync::Arc;
-
 use depal_cell::event::EventKind;
-use depal_cell::score::CartonFate;
-use depal_cell::station::{Errand, Station};
 use depal_frames::nalgebra::Quaternion;
 use depal_frames::{EulerConvention, Point, Pose, Rotation, Vector};
-use depal_interface::{ConnectionId, PortId};
 use depal_scene::Scene;
-use serde_json::Value as Json;
 
-use crate::runner::{Finished, root, run_scene};
-
-fn scene(overrides: &[(&str, &str)]) -> Scene {
-    scene_of("calibration", overrides)
-}
-
-fn scene_of(name: &str, overrides: &[(&str, &str)]) -> Scene {
-    let overrides: Vec<(String, String)> = overrides
-        .iter()
-        .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
-        .collect();
-    let path = root().join(format!("scenes/{name}.toml"));
-    Scene::load_file(&path.to_string_lossy(), &overrides, None)
-        .unwrap_or_else(|errors| panic!("{errors}"))
-}
-
-fn delivered(finished: &Finished) -> usize {
-    finished
-        .outcome
-        .score
-        .count(|fate| fate == CartonFate::Delivered)
-}
-
-fn events(finished: &Finished, name: &str) -> Vec<Json> {
-    let parsed = finished
-        .log
-        .iter()
-        .map(|line| serde_json::from_str::<Json>(line).expect("the log is JSON"));
-    parsed.filter(|event| event["event"] == name).collect()
-}
+use crate::runner::{root, run_scene, scene};
+use crate::talk::Talk;
 
 fn pose(xyz_mm: [f64; 3], [w, x, y, z]: [f64; 4]) -> Pose {
     Pose::from_parts(
@@ -65,11 +31,11 @@ fn corner_error_mm(scene: &Scene, base_from_camera: &Pose) -> f64 {
 
 #[test]
 fn picks_succeed_after_the_calibration() {
-    let scene = scene(&[]);
+    let scene = scene("calibration", &[], None);
     let finished = run_scene(&scene);
-    assert_eq!(delivered(&finished), 16);
+    assert_eq!(finished.delivered(), 16);
     assert_eq!(finished.outcome.score.false_picks, 0);
-    let calibrated = events(&finished, "calibrated");
+    let calibrated = finished.events("calibrated");
     let [event] = calibrated.as_slice() else {
         panic!("{calibrated:?}");
     };
@@ -84,7 +50,8 @@ fn picks_succeed_after_the_calibration() {
     assert!(error < 0.5, "{error} mm at the corners");
 
     // The last reply sends the robot back to where it began.
-    let replies: Vec<String> = events(&finished, "protocol")
+    let replies: Vec<String> = finished
+        .events("protocol")
         .iter()
         .filter(|e| e["command"] == 701 && e["from"] == "vision")
         .map(|e| e["text"].as_str().unwrap().to_owned())
@@ -110,17 +77,18 @@ fn picks_succeed_after_the_calibration() {
 fn without_the_calibration_picks_fail() {
     // The same cell; the program does not call MM_Calib.
     let program = root().join("scenes/demo.mod");
-    let finished = run_scene(&scene(&[("robot.program", &program.to_string_lossy())]));
+    let overrides = [("robot.program", &*program.to_string_lossy())];
+    let finished = run_scene(&scene("calibration", &overrides, None));
     println!(
         "{} delivered, {:?}",
-        delivered(&finished),
+        finished.delivered(),
         finished.outcome.score.failures_by_reason()
     );
-    assert!(events(&finished, "calibrated").is_empty());
+    assert!(finished.events("calibrated").is_empty());
     assert!(
-        delivered(&finished) < 8,
+        finished.delivered() < 8,
         "{} delivered",
-        delivered(&finished)
+        finished.delivered()
     );
     assert!(finished.outcome.score.false_picks > 0);
 }
@@ -128,23 +96,24 @@ fn without_the_calibration_picks_fail() {
 #[test]
 fn flange_poses_serve_as_well_as_joints() {
     let program = root().join("tests/programs/calibrate_by_poses.mod");
-    let finished = run_scene(&scene(&[
-        ("robot.program", &program.to_string_lossy()),
+    let overrides = [
+        ("robot.program", &*program.to_string_lossy()),
         ("run.may_leave_cartons", "true"),
-    ]));
-    let calibrated = events(&finished, "calibrated");
+    ];
+    let finished = run_scene(&scene("calibration", &overrides, None));
+    let calibrated = finished.events("calibrated");
     assert_eq!(calibrated.len(), 1, "{}", finished.outcome.end_detail);
     let error = calibrated[0]["error_mm"].as_f64().unwrap();
     assert!(error < 0.5, "{error} mm");
-    let messages = events(&finished, "message");
+    let messages = finished.events("message");
     assert!(messages.iter().any(|m| m["text"] == "back again"));
 }
 
 #[test]
 fn without_pictures_the_old_pose_stays() {
-    let finished = run_scene(&scene(&[("camera.blackout", "true")]));
-    assert!(events(&finished, "calibrated").is_empty());
-    let messages = events(&finished, "message");
+    let finished = run_scene(&scene("calibration", &[("camera.blackout", "true")], None));
+    assert!(finished.events("calibrated").is_empty());
+    let messages = finished.events("message");
     let said = |text: &str| {
         messages
             .iter()
@@ -159,27 +128,18 @@ fn without_pictures_the_old_pose_stays() {
 #[test]
 fn a_client_of_the_station_calibrates_as_well() {
     for name in ["calibration", "interface"] {
-        client_calibrates(&scene_of(name, &[("interface.encoding", "ascii")]));
+        client_calibrates(&scene(name, &[("interface.encoding", "ascii")], None));
     }
 }
 
 /// There is no board: the robot hears it at once, and the log says why.
 #[test]
 fn without_a_calibration_set_up_701_is_refused() {
-    let spec = scene_of("demo", &[("interface.encoding", "ascii")])
-        .cell_spec()
-        .unwrap();
-    let at_once = Arc::new(|errand: Errand| errand());
-    let mut station = Station::new(spec, || 0.0, at_once).unwrap();
-    let (port, client) = (PortId(0), ConnectionId(1));
-    station.connect(port, client);
-    let request = "701,0,1500,0,1500,180,0,180,0,-20,20,0,90,0\r";
-    station.receive(port, client, request.as_bytes());
-    station.advance_waiting(station.tick() + 10);
-    let reply = station.poll_reply().expect("an answer");
-    assert_eq!(reply.bytes, b"701,7001\r");
+    let ascii = [("interface.encoding", "ascii")];
+    let mut talk = Talk::new(scene("demo", &ascii, None).cell_spec().unwrap());
+    talk.says("701,0,1500,0,1500,180,0,180,0,-20,20,0,90,0", 7001);
     let mut said = Vec::new();
-    while let Some((_, event)) = station.poll_event() {
+    while let Some((_, event)) = talk.0.poll_event() {
         if let EventKind::Message { text } = event.kind {
             said.push(text);
         }
@@ -193,30 +153,23 @@ fn without_a_calibration_set_up_701_is_refused() {
 
 fn client_calibrates(scene: &Scene) {
     let spec = scene.cell_spec().unwrap();
-    let port = PortId(0);
     let poses = spec.interface.calibration.clone();
-    let at_once = Arc::new(|errand: Errand| errand());
-    let mut station = Station::new(spec, || 0.0, at_once).unwrap();
-    let client = ConnectionId(1);
-    station.connect(port, client);
+    let mut talk = Talk::new(spec);
     let mut place = (
         EulerConvention::AbbZyx.mm_deg_from_pose(&poses[0].base_from_flange),
         poses[0].joints.to_degrees(),
     );
     for state in 0..=poses.len() {
         let cells: Vec<String> = place.0.iter().chain(&place.1).map(f64::to_string).collect();
-        let request = format!("701,{},{}\r", i32::from(state > 0), cells.join(","));
-        station.receive(port, client, request.as_bytes());
-        station.advance_waiting(station.tick() + 10);
-        let reply = station.poll_reply().expect("an answer");
-        let text = String::from_utf8(reply.bytes).unwrap();
-        let cells: Vec<f64> = text.trim().split(',').map(|c| c.parse().unwrap()).collect();
-        assert_eq!(cells[..2], [701.0, 7101.0], "{text}");
-        assert_eq!(cells[2], f64::from(state == poses.len()));
-        place = (cells[3..9].try_into().unwrap(), cells[9..15].to_vec());
+        let reply = talk.ask(&format!("701,{},{}", i32::from(state > 0), cells.join(",")));
+        assert_eq!(reply[0], 7101.0);
+        assert_eq!(reply[1], f64::from(state == poses.len()));
+        place = (reply[2..8].try_into().unwrap(), reply[8..14].to_vec());
     }
+    // The last picture is taken, and the pose found, after the reply.
+    talk.0.advance_waiting(talk.0.tick() + 10);
     let mut found = Vec::new();
-    while let Some((_, event)) = station.poll_event() {
+    while let Some((_, event)) = talk.0.poll_event() {
         if let EventKind::Calibrated {
             base_from_camera,
             error_mm,

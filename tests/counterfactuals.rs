@@ -2,16 +2,8 @@
 
 use depal_cell::cell::EndState;
 use depal_cell::event::FailureReason;
-use depal_cell::score::CartonFate;
 
-use crate::runner::{Finished, root, run_demo};
-
-fn delivered(finished: &Finished) -> usize {
-    finished
-        .outcome
-        .score
-        .count(|fate| fate == CartonFate::Delivered)
-}
+use crate::runner::{Finished, root, run_demo, run_scene, scene};
 
 fn reasons(finished: &Finished) -> Vec<FailureReason> {
     finished
@@ -29,7 +21,7 @@ fn has(finished: &Finished, needle: &str) -> bool {
 #[test]
 fn without_vacuum_nothing_is_lifted() {
     let finished = run_demo(1, &[("gripper.vacuum_kpa", "2")]);
-    assert_eq!(delivered(&finished), 0);
+    assert_eq!(finished.delivered(), 0);
     assert_eq!(reasons(&finished), [FailureReason::NoSeal]);
     assert!(!has(&finished, "\"event\":\"gripped\""));
 }
@@ -46,7 +38,7 @@ fn with_the_lens_covered_nothing_is_found_and_nothing_tried() {
 #[test]
 fn too_heavy_cartons_fall() {
     let finished = run_demo(1, &[("cartons.mass_kg", "150")]);
-    assert_eq!(delivered(&finished), 0);
+    assert_eq!(finished.delivered(), 0);
     assert_eq!(reasons(&finished), [FailureReason::Dropped]);
 }
 
@@ -94,15 +86,11 @@ fn a_camera_that_hangs_elsewhere_than_calibrated_spoils_picks() {
 #[test]
 fn twice_as_fast_as_planned_heavy_cartons_drop() {
     let run = |scale: &str| {
-        let path = root().join("scenes/multipick.toml");
-        let overrides = [("cartons.mass_kg", "20"), ("robot.velocity_scale", scale)]
-            .map(|(key, value)| (key.to_owned(), value.to_owned()));
-        let scene = depal_scene::Scene::load_file(&path.to_string_lossy(), &overrides, Some(1))
-            .unwrap_or_else(|error| panic!("{error}"));
-        crate::runner::run_scene(&scene)
+        let overrides = [("cartons.mass_kg", "20"), ("robot.velocity_scale", scale)];
+        run_scene(&scene("multipick", &overrides, Some(1)))
     };
     let planned = run("1");
-    assert_eq!(delivered(&planned), 48);
+    assert_eq!(planned.delivered(), 48);
     assert!(reasons(&planned).is_empty());
 
     let doubled = run("2");

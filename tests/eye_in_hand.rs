@@ -1,47 +1,15 @@
 //! A camera on the flange: what it sees depends on where the arm is, and what comes of it on what the robot tells.
 
-use std::sync::Arc;
-
 use depal_cell::cell::EndState;
 use depal_cell::event::FailureReason;
-use depal_cell::score::CartonFate;
 use depal_cell::spec::CellSpec;
-use depal_cell::station::{Errand, Station};
 use depal_frames::nalgebra::Quaternion;
 use depal_frames::{EulerConvention, Point, Pose, Rotation, Vector};
-use depal_interface::{CalibrationPose, ConnectionId, PortId};
-use depal_scene::Scene;
+use depal_interface::CalibrationPose;
 use serde_json::Value as Json;
 
-use crate::runner::{Finished, root, run_scene};
-
-const PORT: PortId = PortId(0);
-const CLIENT: ConnectionId = ConnectionId(1);
-
-fn scene(name: &str, overrides: &[(&str, &str)], seed: Option<u64>) -> Scene {
-    let overrides: Vec<(String, String)> = overrides
-        .iter()
-        .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
-        .collect();
-    let path = root().join(format!("scenes/{name}.toml"));
-    Scene::load_file(&path.to_string_lossy(), &overrides, seed)
-        .unwrap_or_else(|errors| panic!("{errors}"))
-}
-
-fn delivered(finished: &Finished) -> usize {
-    finished
-        .outcome
-        .score
-        .count(|fate| fate == CartonFate::Delivered)
-}
-
-fn events(finished: &Finished, name: &str) -> Vec<Json> {
-    let parsed = finished
-        .log
-        .iter()
-        .map(|line| serde_json::from_str::<Json>(line).expect("the log is JSON"));
-    parsed.filter(|event| event["event"] == name).collect()
-}
+use crate::runner::{root, run_scene, scene};
+use crate::talk::Talk;
 
 /// Where `scenes/eye_in_hand.mod` looks from: the flange above the pallet, X along its long side, Z down.
 fn base_from_look() -> Pose {
@@ -78,9 +46,9 @@ fn logged_pose(logged: &Json) -> Pose {
 fn picks_succeed_after_the_calibration() {
     let scene = scene("eye_in_hand_calibration", &[], None);
     let finished = run_scene(&scene);
-    assert_eq!(delivered(&finished), 16, "{}", finished.outcome.end_detail);
+    assert_eq!(finished.delivered(), 16, "{}", finished.outcome.end_detail);
     assert_eq!(finished.outcome.score.false_picks, 0);
-    let calibrated = events(&finished, "calibrated");
+    let calibrated = finished.events("calibrated");
     let [event] = calibrated.as_slice() else {
         panic!("{calibrated:?}");
     };
@@ -109,7 +77,7 @@ fn the_calibration_holds_for_five_seeds() {
         ];
         let scene = scene("eye_in_hand_calibration", &overrides, Some(seed));
         let finished = run_scene(&scene);
-        let calibrated = events(&finished, "calibrated");
+        let calibrated = finished.events("calibrated");
         let found = logged_pose(&calibrated[0]["flange_from_camera"]);
         let spec = scene.cell_spec().unwrap();
         let error = [1.5, 0.5].map(|height| corner_error_mm(&spec, &found, height));
@@ -127,12 +95,12 @@ fn without_the_calibration_picks_fail() {
     let program = root().join("scenes/eye_in_hand.mod");
     let overrides = [("robot.program", &*program.to_string_lossy())];
     let finished = run_scene(&scene("eye_in_hand_calibration", &overrides, None));
-    let count = delivered(&finished);
+    let count = finished.delivered();
     println!(
         "{count} delivered, {:?}",
         finished.outcome.score.failures_by_reason()
     );
-    assert!(events(&finished, "calibrated").is_empty());
+    assert!(finished.events("calibrated").is_empty());
     assert!(count < 8, "{count} delivered");
     assert!(finished.outcome.score.false_picks > 0);
 }
@@ -144,9 +112,9 @@ fn a_robot_that_does_not_tell_where_it_is_gets_no_picture() {
     let overrides = [("robot.program", &*program.to_string_lossy())];
     let finished = run_scene(&scene("eye_in_hand", &overrides, None));
     assert_eq!(finished.outcome.score.statuses.get(&2013), Some(&1));
-    assert!(events(&finished, "exposure").is_empty());
+    assert!(finished.events("exposure").is_empty());
     assert!(finished.outcome.score.picks.is_empty());
-    assert_eq!(delivered(&finished), 0);
+    assert_eq!(finished.delivered(), 0);
     assert_ne!(finished.outcome.end, EndState::Finished);
     let reasons = finished.outcome.score.failures_by_reason();
     assert_eq!(
@@ -163,7 +131,7 @@ fn a_robot_that_moves_on_was_not_where_it_said() {
         ("run.may_leave_cartons", "true"),
     ];
     let moved = run_scene(&scene("eye_in_hand", &overrides, None));
-    let seen = events(&moved, "vision");
+    let seen = moved.events("vision");
     let [frame] = seen.as_slice() else {
         panic!("{seen:?}");
     };
@@ -202,48 +170,19 @@ fn a_camera_behind_the_gripper_sees_the_gripper() {
         ("run.may_leave_cartons", "true"),
     ];
     let finished = run_scene(&scene("eye_in_hand", &overrides, None));
-    let seen = events(&finished, "vision");
+    let seen = finished.events("vision");
     assert_eq!(seen.len(), 1, "{seen:?}");
     assert_eq!(seen[0]["pickable"], 0);
     assert!(finished.outcome.score.picks.is_empty());
 }
 
-/// A client without a robot: it is where it says it is.
-struct Talk(Station);
-
-impl Talk {
-    fn new(spec: CellSpec) -> Self {
-        let at_once = Arc::new(|errand: Errand| errand());
-        let mut station = Station::new(spec, || 0.0, at_once).unwrap();
-        station.connect(PORT, CLIENT);
-        Self(station)
-    }
-
-    /// The reply's numbers behind the command; the wait is at most 20 s of simulated time.
-    fn ask(&mut self, request: &str) -> Vec<f64> {
-        let station = &mut self.0;
-        station.receive(PORT, CLIENT, format!("{request}\r").as_bytes());
-        let end = station.tick() + 5_000;
-        let reply = loop {
-            if let Some(reply) = station.poll_reply() {
-                break reply;
-            }
-            assert!(station.tick() < end, "no answer to {request}");
-            station.advance_waiting(station.tick() + 1);
-        };
-        let text = String::from_utf8(reply.bytes).unwrap();
-        let cells = text.trim().split(',').map(|cell| cell.parse().unwrap());
-        cells.skip(1).collect()
-    }
-
-    /// Positions of the vision points of project 1, mm.
-    fn points(&mut self, robot_pose: &str) -> Vec<[f64; 3]> {
-        assert_eq!(self.ask(&format!("101,1,0,{robot_pose}"))[0], 1102.0);
-        let cells = self.ask("102,1");
-        assert_eq!(cells[0], 1100.0, "{cells:?}");
-        let points = cells[4..].chunks_exact(8);
-        points.map(|p| [p[0], p[1], p[2]]).collect()
-    }
+/// Positions of the vision points of project 1, mm.
+fn points(talk: &mut Talk, robot_pose: &str) -> Vec<[f64; 3]> {
+    assert_eq!(talk.ask(&format!("101,1,0,{robot_pose}"))[0], 1102.0);
+    let cells = talk.ask("102,1");
+    assert_eq!(cells[0], 1100.0, "{cells:?}");
+    let points = cells[4..].chunks_exact(8);
+    points.map(|p| [p[0], p[1], p[2]]).collect()
 }
 
 fn cells(values: &[f64]) -> String {
@@ -299,7 +238,7 @@ fn points_go_through_the_flange_that_command_101_tells() {
         format!("1,{joints},{}", flange(&base_from_look())),
         format!("1,{joints},0,0,0,0,0,0"),
     ] {
-        let points = talk.points(&told);
+        let points = points(&mut talk, &told);
         assert_eq!(points.len(), 8, "{told}");
         for point in points {
             let distance = |top: &[f64; 3]| {

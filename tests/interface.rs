@@ -1,64 +1,18 @@
 //! `scenes/interface.toml` as its users rely on it: every kind of project, by its commands, in simulated time.
 
-use std::sync::Arc;
+use crate::runner::scene;
+use crate::talk::Talk;
 
-use depal_cell::station::{Errand, Station};
-use depal_interface::{ConnectionId, PortId};
-use depal_scene::Scene;
-
-use crate::runner::root;
-
-const PORT: PortId = PortId(0);
-const CLIENT: ConnectionId = ConnectionId(1);
 const ZEROS: &str = "0,0,0,0,0,0";
 
-struct Talk(Station);
-
-impl Talk {
-    fn start() -> Self {
-        let path = root().join("scenes/interface.toml");
-        let ascii = ("interface.encoding".to_owned(), "ascii".to_owned());
-        let spec = Scene::load_file(&path.to_string_lossy(), &[ascii], None)
-            .unwrap_or_else(|errors| panic!("{errors}"))
-            .cell_spec()
-            .unwrap();
-        let at_once = Arc::new(|errand: Errand| errand());
-        let mut station = Station::new(spec, || 0.0, at_once).unwrap();
-        station.connect(PORT, CLIENT);
-        Self(station)
-    }
-
-    /// The reply's numbers behind the command; the wait is at most 20 s of simulated time.
-    fn ask(&mut self, request: &str) -> Vec<f64> {
-        let station = &mut self.0;
-        station.receive(PORT, CLIENT, format!("{request}\r").as_bytes());
-        let end = station.tick() + 5_000;
-        let reply = loop {
-            if let Some(reply) = station.poll_reply() {
-                break reply;
-            }
-            assert!(station.tick() < end, "no answer to {request}");
-            station.advance_waiting(station.tick() + 1);
-        };
-        let text = String::from_utf8(reply.bytes).unwrap();
-        let mut cells = text.trim().split(',').map(|cell| cell.parse().unwrap());
-        let command: f64 = cells.next().unwrap();
-        assert!(
-            request.starts_with(&command.to_string()),
-            "{request}: {text}"
-        );
-        cells.collect()
-    }
-
-    fn says(&mut self, request: &str, status: i32) {
-        let found = self.ask(request);
-        assert_eq!(found[0], f64::from(status), "{request}");
-    }
+fn talk() -> Talk {
+    let ascii = [("interface.encoding", "ascii")];
+    Talk::new(scene("interface", &ascii, None).cell_spec().unwrap())
 }
 
 #[test]
 fn custom_data_go_out_in_the_order_of_their_names() {
-    let mut talk = Talk::start();
+    let mut talk = talk();
     talk.says(&format!("101,3,0,0,{ZEROS}"), 1102);
     for point in 0..8 {
         let row = talk.ask("110,3");
@@ -73,7 +27,7 @@ fn custom_data_go_out_in_the_order_of_their_names() {
 
 #[test]
 fn a_vision_project_plans_one_pick() {
-    let mut talk = Talk::start();
+    let mut talk = talk();
     talk.says("105,2,1", 1020);
     talk.says(&format!("101,2,0,0,{ZEROS}"), 1102);
     let path = talk.ask("105,2,2");
@@ -88,7 +42,7 @@ fn a_vision_project_plans_one_pick() {
 
 #[test]
 fn the_whole_picture_is_one_path_of_eight_rounds() {
-    let mut talk = Talk::start();
+    let mut talk = talk();
     talk.says(&format!("101,5,0,0,{ZEROS}"), 1102);
     let (mut waypoints, mut picks, mut parts) = (0, 0, 0);
     loop {
@@ -116,7 +70,7 @@ fn the_whole_picture_is_one_path_of_eight_rounds() {
 
 #[test]
 fn the_planning_project_takes_index_branch_and_properties() {
-    let mut talk = Talk::start();
+    let mut talk = talk();
     assert_eq!(talk.ask("207,6"), [2109.0, 400.0]);
     talk.says("207,9", 2041);
     talk.says("208,2", 2016);
@@ -150,7 +104,7 @@ fn the_planning_project_takes_index_branch_and_properties() {
 /// Without the branch's command the run waits; the reply gives up, the run does not.
 #[test]
 fn a_run_outlives_the_wait_for_its_branch() {
-    let mut talk = Talk::start();
+    let mut talk = talk();
     talk.says(&format!("201,0,{ZEROS}"), 2103);
     talk.says("205,2", 2025);
     talk.says("203,1,1", 2105);

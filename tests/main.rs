@@ -14,4 +14,5 @@ mod moves;
 mod runner;
 mod scenes;
 mod siemens;
+mod talk;
 mod tidy;

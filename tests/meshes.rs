@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use depal_cell::cell::EndState;
 use depal_cell::event::FailureReason;
-use depal_cell::score::CartonFate;
 use depal_scene::Scene;
 
 use crate::runner::{Finished, root, run_scene};
@@ -89,11 +88,6 @@ impl ArmWithMesh {
     }
 }
 
-fn delivered(finished: &Finished) -> usize {
-    let score = &finished.outcome.score;
-    score.count(|fate| fate == CartonFate::Delivered)
-}
-
 fn reasons(finished: &Finished) -> Vec<FailureReason> {
     let score = &finished.outcome.score;
     score.failures_by_reason().into_keys().collect()
@@ -120,13 +114,13 @@ fn a_mesh_on_a_link_bumps_into_cartons() {
 fn the_planner_keeps_a_mesh_out_of_the_cell() {
     let mesh = r#"<mesh filename="package://maker_support/plate.obj"/>"#;
     let with = ArmWithMesh::new("mesh_planned", "link_6", mesh).run("robots/with.urdf", &[]);
-    assert_eq!(delivered(&with), 0);
+    assert_eq!(with.delivered(), 0);
     assert_eq!(reasons(&with), [FailureReason::PlanCollision]);
 
     // A twentieth of it is in nobody's way.
     let mesh = r#"<mesh filename="package://maker_support/plate.obj" scale="0.05 0.05 0.05"/>"#;
     let small = ArmWithMesh::new("mesh_small", "link_6", mesh).run("robots/with.urdf", &[]);
-    assert!(delivered(&small) > 0, "{:?}", reasons(&small));
+    assert!(small.delivered() > 0, "{:?}", reasons(&small));
     assert_eq!(
         reasons(&small),
         [FailureReason::Timeout],
@@ -142,7 +136,7 @@ fn the_camera_sees_a_mesh() {
     assert_eq!(reasons(&with), [FailureReason::NoDetection]);
     assert_eq!(with.outcome.score.picks.len(), 0);
     let without = arm.run("robots/without.urdf", &[]);
-    assert!(delivered(&without) > 0, "{:?}", reasons(&without));
+    assert!(without.delivered() > 0, "{:?}", reasons(&without));
     assert_eq!(
         reasons(&without),
         [FailureReason::Timeout],

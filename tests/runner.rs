@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use depal_cell::cell::{Cell, RunOutcome};
 use depal_cell::event::Event;
 use depal_cell::observer::{CaptureView, Observer, Snapshot};
+use depal_cell::score::CartonFate;
 use depal_scene::Scene;
 
 /// The event log as the run folder would hold it.
@@ -39,12 +40,42 @@ pub struct Finished {
     pub log: Vec<String>,
 }
 
+impl Finished {
+    /// Cartons that reached the belt, or their place.
+    pub fn delivered(&self) -> usize {
+        let score = &self.outcome.score;
+        score.count(|fate| fate == CartonFate::Delivered)
+    }
+
+    /// All events of this name.
+    pub fn events(&self, name: &str) -> Vec<serde_json::Value> {
+        let parsed = self
+            .log
+            .iter()
+            .map(|line| serde_json::from_str::<serde_json::Value>(line).expect("the log is JSON"));
+        parsed.filter(|event| event["event"] == name).collect()
+    }
+}
+
 /// The root of the workspace.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .expect("tests/ lies in the workspace")
         .to_owned()
+}
+
+/// One of the scenes of `scenes/` with some keys changed.
+pub fn scene(name: &str, overrides: &[(&str, &str)], seed: Option<u64>) -> Scene {
+    let path = root().join(format!("scenes/{name}.toml"));
+    Scene::load_file(&path.to_string_lossy(), &owned(overrides), seed)
+        .unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+fn owned(overrides: &[(&str, &str)]) -> Vec<(String, String)> {
+    let each = overrides.iter();
+    each.map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
+        .collect()
 }
 
 /// Runs a loaded scene to its end.
@@ -68,9 +99,5 @@ pub fn watch_scene(scene: &Scene) -> (Finished, Postures) {
 
 /// Runs the demo with some keys changed.
 pub fn run_demo(seed: u64, overrides: &[(&str, &str)]) -> Finished {
-    let overrides: Vec<(String, String)> = overrides
-        .iter()
-        .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
-        .collect();
-    run_scene(&Scene::demo(&overrides, Some(seed)).unwrap_or_else(|error| panic!("{error}")))
+    run_scene(&Scene::demo(&owned(overrides), Some(seed)).unwrap_or_else(|error| panic!("{error}")))
 }

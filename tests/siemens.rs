@@ -1,42 +1,32 @@
 //! The pallet of the Siemens scene, emptied by a controller's program over its data block.
 
 use depal_cell::cell::{Cell, EndState};
-use depal_cell::score::CartonFate;
 use depal_plc::{PlcSettings, PlcTask};
 use depal_scene::Scene;
 
-use crate::runner::{Finished, root, run_scene};
+use crate::runner::{Finished, run_scene};
 
 /// `scenes/siemens.toml` with so many cartons and other keys changed.
 fn scene(cartons: u32, changes: &[(&str, &str)]) -> Scene {
-    let own = |(key, value): (&str, &str)| (key.to_owned(), value.to_owned());
+    let (count, layers) = (cartons.to_string(), cartons.div_ceil(8).to_string());
     let mut overrides = vec![
-        ("cartons.count".to_owned(), cartons.to_string()),
-        ("cartons.layers".to_owned(), cartons.div_ceil(8).to_string()),
-        ("accept.delivered_min".to_owned(), "0".to_owned()),
+        ("cartons.count", count.as_str()),
+        ("cartons.layers", layers.as_str()),
+        ("accept.delivered_min", "0"),
     ];
-    overrides.extend(changes.iter().copied().map(own));
-    let file = root().join("scenes/siemens.toml");
-    Scene::load_file(&file.to_string_lossy(), &overrides, None)
-        .unwrap_or_else(|error| panic!("{error}"))
+    overrides.extend(changes);
+    crate::runner::scene("siemens", &overrides, None)
 }
 
 fn run(cartons: u32, changes: &[(&str, &str)]) -> Finished {
     run_scene(&scene(cartons, changes))
 }
 
-fn delivered(finished: &Finished) -> usize {
-    finished
-        .outcome
-        .score
-        .count(|fate| fate == CartonFate::Delivered)
-}
-
 #[test]
 fn every_function_of_the_sequence_is_counted() {
     let finished = run(8, &[]);
     let score = &finished.outcome.score;
-    assert_eq!(delivered(&finished), 8, "{}", finished.outcome.end_detail);
+    assert_eq!(finished.delivered(), 8, "{}", finished.outcome.end_detail);
     for (command, least) in [(901, 1), (501, 1), (201, 9), (206, 8), (210, 8 * 4)] {
         let count = score.commands.get(&command).copied().unwrap_or(0);
         assert!(count >= least, "command {command}: {count} times");
@@ -54,7 +44,7 @@ fn a_bare_path_is_enough_and_runs_repeat() {
         "{}",
         first.outcome.end_detail
     );
-    assert_eq!(delivered(&first), 8);
+    assert_eq!(first.delivered(), 8);
     assert_eq!(first.outcome.state_hash, second.outcome.state_hash);
     assert!(first.log == second.log, "the logs differ");
 }
@@ -63,7 +53,7 @@ fn a_bare_path_is_enough_and_runs_repeat() {
 #[test]
 fn without_vacuum_nothing_is_lifted() {
     let finished = run(8, &[("gripper.vacuum_kpa", "0")]);
-    assert_eq!(delivered(&finished), 0);
+    assert_eq!(finished.delivered(), 0);
     assert_eq!(finished.outcome.end, EndState::Stopped);
     let detail = &finished.outcome.end_detail;
     assert!(detail.contains("no vacuum"), "{detail}");
@@ -73,7 +63,7 @@ fn without_vacuum_nothing_is_lifted() {
 #[test]
 fn without_a_polling_server_the_program_says_so() {
     let finished = run(8, &[("interface.encoding", "hex-be")]);
-    assert_eq!(delivered(&finished), 0);
+    assert_eq!(finished.delivered(), 0);
     assert_eq!(finished.outcome.end, EndState::Stopped);
     let detail = &finished.outcome.end_detail;
     assert!(
