@@ -89,6 +89,7 @@ mod settings;
 mod settle;
 mod sides;
 mod smear;
+mod spaced_points;
 mod stands;
 mod steps;
 mod surface;

@@ -2,7 +2,7 @@
 
 use depal_frames::{Point, Vector};
 
-use crate::gate::DepthImage;
+use crate::{gate::DepthImage, spaced_points::SpacedPoints};
 
 /// One row of cells: where they lie in the image, then what is there.
 pub struct ResampledRow {
@@ -48,21 +48,10 @@ impl ResampledRow {
         }
     }
 
-    /// Cells at `first + i step` (camera frame). f32 places them to a thousandth of a pixel.
+    /// Cells at `first + i step` (camera frame).
     #[inline(always)]
     pub fn fetch(&mut self, image: &DepthImage, first: Point, step: Vector) {
-        let k = &image.intrinsics;
-        // Numerators of u and v, half a pixel added, so that cutting off rounds to the nearest.
-        let affine = |x: f64, z: f64, f: f64, c: f64| (x * f + z * (c + 0.5)) as f32;
-        let (u0, u1) = (
-            affine(first.x, first.z, k.fx, k.cx),
-            affine(step.x, step.z, k.fx, k.cx),
-        );
-        let (v0, v1) = (
-            affine(first.y, first.z, k.fy, k.cy),
-            affine(step.y, step.z, k.fy, k.cy),
-        );
-        let (z0, z1) = (first.z as f32, step.z as f32);
+        let points = SpacedPoints::new(&image.intrinsics, first, step);
         let (width, height) = (image.width as f32, image.height as f32);
         let stride = image.width as i32;
         let cells = self
@@ -71,10 +60,7 @@ impl ResampledRow {
             .zip(&mut self.expected)
             .zip(&mut self.inside);
         for (i, ((pixel, expected), inside)) in cells.enumerate() {
-            let i = i as i32 as f32;
-            let z = z0 + z1 * i;
-            let inverse = 1.0 / z;
-            let (u, v) = ((u0 + u1 * i) * inverse, (v0 + v1 * i) * inverse);
+            let (u, v, z) = points.at(i);
             // False of NaN, too.
             let within = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
             let (u, v) = if within { (u, v) } else { (0.0, 0.0) };

@@ -13,6 +13,7 @@ use crate::{
         FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, SideFit, anchored, edge_inside,
         fit_rectangle,
     },
+    spaced_points::SpacedPoints,
 };
 
 /// Least share of scan lines with an edge for a side to count as seen.
@@ -297,22 +298,9 @@ fn look(
         let y = ((j as f64 + 0.5) / ny as f64 - 0.5) * inner[1];
         let first = frame.point((0.5 / nx as f64 - 0.5) * inner[0], y);
         let step = frame.x * (inner[0] / nx as f64);
-        // Numerators of u and v with half a pixel added, so that cutting off rounds to the nearest.
-        let affine = |x: f64, z: f64, f: f64, c: f64| (x * f + z * (c + 0.5)) as f32;
-        let (u0, u1) = (
-            affine(first.x, first.z, k.fx, k.cx),
-            affine(step.x, step.z, k.fx, k.cx),
-        );
-        let (v0, v1) = (
-            affine(first.y, first.z, k.fy, k.cy),
-            affine(step.y, step.z, k.fy, k.cy),
-        );
-        let (z0, z1) = (first.z as f32, step.z as f32);
+        let points = SpacedPoints::new(k, first, step);
         for i in 0..nx {
-            let i = i as i32 as f32;
-            let expected = z0 + z1 * i;
-            let inverse = 1.0 / expected;
-            let (u, v) = ((u0 + u1 * i) * inverse, (v0 + v1 * i) * inverse);
+            let (u, v, expected) = points.at(i);
             // Also refuses NaN.
             let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
             if !inside {
