@@ -10,6 +10,7 @@ use crate::{
     obstacles::obstacle_points,
     steps::surface_mask,
     surface::Surface,
+    turn_together::turn_together,
 };
 
 /// Finds every whole uncovered top face of a known size. A frame that is empty, all invalid or
@@ -175,6 +176,7 @@ fn find_boxes(
         }
     }
     keep_best(found, settings, detection);
+    turn_together(&mut detection.boxes, &image.intrinsics);
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.

@@ -30,7 +30,8 @@
 //!    `measure`: tops of unknown size, where all four sides fall away.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
 //!    `joint`: the cartons of a covering are placed together, by sides, by seams and by each other.
-//! 8. `verify`: size, wholeness, cover, tilt. `obstacles`: what nothing reported explains.
+//! 8. `verify`: size, wholeness, cover, tilt. `turn_together`: what stands too close to be turned much.
+//!    `obstacles`: what nothing reported explains.
 //!
 //! # Units and frames
 //!
@@ -93,6 +94,7 @@ mod spaced_points;
 mod stands;
 mod steps;
 mod surface;
+mod turn_together;
 mod verify;
 
 pub use detect::{Stage, detect, detect_any_size, detect_staged};
