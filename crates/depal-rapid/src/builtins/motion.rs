@@ -10,7 +10,7 @@ use depal_vm::system::{
 use depal_vm::{CallContext, Outcome, RaisedError, Value};
 
 use super::records::*;
-use super::settings::modal;
+use super::settings::{modal, payload};
 use super::table::Entry;
 
 type Ran = Result<Outcome, RaisedError>;
@@ -62,6 +62,8 @@ pub(super) struct Places {
     pub tool: usize,
     pub work_object: usize,
     pub correction: Option<usize>,
+    /// `\TLoad`: tool and payload together.
+    pub total_load: usize,
 }
 
 impl Places {
@@ -80,6 +82,7 @@ impl Places {
             tool: target + 8,
             work_object: target + 9,
             correction: Some(target + 10),
+            total_load: target + 11,
         }
     }
 
@@ -98,6 +101,7 @@ impl Places {
             tool: target + 5,
             work_object: target + 6,
             correction: if correction { Some(target + 9) } else { None },
+            total_load: target + 9 + correction as usize,
         }
     }
 }
@@ -112,6 +116,8 @@ pub(super) struct Asked {
     pub concurrent: bool,
     /// Mass of the tool in use, kg, and its centre, m in the flange frame.
     pub tool_load: (f64, Point),
+    /// The same of tool and payload together, for this move alone; none: tool and `GripLoad` count.
+    pub total_load: Option<(f64, Point)>,
 }
 
 /// `base_from_tcp` of a robtarget.
@@ -237,6 +243,7 @@ fn asked(
             .map_or(0.0, |data| number(&data, 3)),
         concurrent: places.conc.is_some_and(|index| context.is_given(index)),
         tool_load: tool_load(context.required(places.tool)?),
+        total_load: context.value(places.total_load)?.and_then(total_load),
     })
 }
 
@@ -250,8 +257,16 @@ pub(super) fn perform(
     let done = Ok(Outcome::Done(Value::Absent));
     if context.notes.is_empty() {
         let asked = make(context, system)?;
-        system.set_tool_load(Some(asked.tool_load));
-        let id = match system.start_move_with_events(&asked.request, &asked.along) {
+        system.set_tool_load(Some(asked.total_load.unwrap_or(asked.tool_load)));
+        if asked.total_load.is_some() {
+            system.set_payload(0.0, Point::origin());
+        }
+        let started = system.start_move_with_events(&asked.request, &asked.along);
+        if asked.total_load.is_some() {
+            let (mass, centre) = payload(context);
+            system.set_payload(mass, centre);
+        }
+        let id = match started {
             Poll::Pending => return Ok(Outcome::Blocked),
             Poll::Ready(Ok(id)) => id,
             Poll::Ready(Err(fault)) => return Err(context.system_fault(fault)),
@@ -293,6 +308,7 @@ fn move_abs_j(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     const PLACES: Places = Places {
         target: 1,
         correction: None,
+        total_load: 12,
         ..Places::full(None, 2)
     };
     perform(context, system, |context, system| {
@@ -305,6 +321,7 @@ fn move_abs_j(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
 fn move_j(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     const PLACES: Places = Places {
         correction: None,
+        total_load: 11,
         ..Places::full(None, 1)
     };
     perform(context, system, |context, system| {

@@ -99,9 +99,20 @@ pub(super) fn tool(value: &Value) -> Result<Pose, RaisedError> {
 /// Mass (kg) and centre of mass (m, in the flange frame) of the tool itself: the `tload` of `tooldata`.
 /// Its axes and moments of inertia do not count.
 pub(super) fn tool_load(value: &Value) -> (f64, Point) {
-    let load = part(value, 2);
-    let centre_mm = vector(part(load, 1));
-    (number(load, 0).max(0.0), Point::from(centre_mm * 1e-3))
+    load(part(value, 2))
+}
+
+/// Mass (kg) and centre of mass (m) of `loaddata`.
+fn load(value: &Value) -> (f64, Point) {
+    let centre_mm = vector(part(value, 1));
+    (number(value, 0).max(0.0), Point::from(centre_mm * 1e-3))
+}
+
+/// What `\TLoad` asks for; none for `load0`, which leaves tool and payload as they are.
+pub(super) fn total_load(value: &Value) -> Option<(f64, Point)> {
+    /// Mass of `load0`, kg, in single precision.
+    const NONE: f64 = 0.001_01;
+    Some(load(value)).filter(|(mass, _)| *mass > NONE)
 }
 
 /// `base_from_object` of `wobjdata`; the identity if none is given. World and base are the same.

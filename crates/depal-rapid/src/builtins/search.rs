@@ -40,6 +40,7 @@ const fn places(via: Option<usize>, target: usize) -> Places {
         tool: target + 5,
         work_object: target + 6,
         correction: Some(target + 7),
+        total_load: target + 8,
     }
 }
 

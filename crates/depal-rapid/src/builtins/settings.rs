@@ -127,9 +127,23 @@ fn grip_load(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
     if mass < 0.0 {
         return Err(context.argument_error(format!("the load weighs {mass} kg")));
     }
-    context.memory.modal.insert("load_kg", mass);
-    system.set_payload(mass, Point::from(centre_mm * 1e-3));
+    let centre = Point::from(centre_mm * 1e-3);
+    let modal = &mut context.memory.modal;
+    modal.insert("load_kg", mass);
+    modal.insert("load_x_m", centre.x);
+    modal.insert("load_y_m", centre.y);
+    modal.insert("load_z_m", centre.z);
+    system.set_payload(mass, centre);
     done()
+}
+
+/// The load that `GripLoad` told last: mass, kg, and its centre, m in the tool frame.
+pub(super) fn payload(context: &CallContext<'_>) -> (f64, Point) {
+    let of = |name| modal(context, name, 0.0);
+    (
+        of("load_kg"),
+        Point::new(of("load_x_m"), of("load_y_m"), of("load_z_m")),
+    )
 }
 
 /// A limit of the acceleration along the path acts as the same share of the joint limits, with 10 m/s2 for 100 %:

@@ -287,6 +287,7 @@ const fn places(via: Option<usize>, target: usize, correction: bool) -> Places {
         tool: target + 14,
         work_object: target + 15,
         correction: if correction { Some(target + 16) } else { None },
+        total_load: target + 16 + correction as usize,
     }
 }
 
@@ -382,6 +383,7 @@ fn trigg_l_ios(context: &mut CallContext<'_>, system: &mut dyn System) -> Ran {
         tool: 10,
         work_object: 11,
         correction: Some(12),
+        total_load: 13,
     };
     perform(context, system, |context, system| {
         let mut asked = cartesian(context, system, MoveKind::Linear, &PLACES)?;

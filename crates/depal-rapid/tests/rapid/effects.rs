@@ -314,3 +314,35 @@ fn the_load_of_the_tool_and_the_grip_load_reach_the_cabinet() {
         ]
     );
 }
+
+/// `\TLoad` stands for tool and payload together, for one move; `load0` there says nothing.
+#[test]
+fn a_total_load_counts_for_its_move_alone() {
+    let text = MOVES.replace(
+        "SetGO go_zone, 5;",
+        "GripLoad [7,[0,10,120],[1,0,0,0],0,0,0];
+    MoveL pick, v100, fine, grip \\TLoad:=[30,[0,0,150],[1,0,0,0],0,0,0];
+    MoveJ pick, v100, fine, grip \\TLoad:=load0;
+    MoveAbsJ home\\NoEOffs, v100, fine, grip \\TLoad:=[31,[0,0,150],[1,0,0,0],0,0,0];
+    MoveJ pick, v100, fine, grip \\TLoad:=[32,[0,0,150],[1,0,0,0],0,0,0];
+    MoveJDO pick, v100, fine, grip, do_pump, 0 \\TLoad:=[33,[0,0,150],[1,0,0,0],0,0,0];
+    MoveLDO pick, v100, fine, grip, do_pump, 0 \\TLoad:=[34,[0,0,150],[1,0,0,0],0,0,0];",
+    );
+    let mut system = FakeSystem::default();
+    assert_eq!(run(&mut machine(&text), &mut system), Step::Finished);
+    let (told, nothing) = (
+        "carried 7 at 0.000 0.010 0.120",
+        "carried 0 at 0.000 0.000 0.000",
+    );
+    let own = "tool 20 at 0.000 0.000 0.100";
+    let mut expected = vec![own.to_owned(), told.to_owned()];
+    for mass in [30, 31, 32, 33, 34] {
+        expected.push(format!("tool {mass} at 0.000 0.000 0.150"));
+        expected.extend([nothing, told].map(str::to_owned));
+        if mass == 30 {
+            expected.push(own.to_owned());
+        }
+    }
+    expected.push(own.to_owned());
+    assert_eq!(system.loads, expected);
+}
