@@ -332,7 +332,7 @@ fn refusal_meaning(refusal: &Refusal) -> (Status, FailureReason) {
     match refusal {
         Refusal::NoBoxes => (Status::VizNoVisionResult, FailureReason::NoDetection),
         Refusal::NothingFits(rejections) => match rejections.first().map(|r| &r.reason) {
-            Some(RejectReason::Unreachable { .. }) => {
+            Some(RejectReason::Unreachable { .. } | RejectReason::CannotDrive { .. }) => {
                 (Status::VizUnreachable, FailureReason::IkUnreachable)
             }
             Some(

@@ -53,23 +53,12 @@ impl Trapezoid {
         Self::new(speed, acceleration)
     }
 
-    /// A straight line of `length` metres at m/s and m/s2.
-    pub fn line(length: f64, speed: f64, acceleration: f64) -> Self {
+    /// One way of `length`, m or rad, at a speed and an acceleration per second in the same unit.
+    fn line(length: f64, speed: f64, acceleration: f64) -> Self {
         if length < 1e-9 {
             return Self::STILL;
         }
         Self::new(speed / length, acceleration / length)
-    }
-
-    /// The same way at a share of the velocity, percent, slowed in time as a whole.
-    #[must_use]
-    pub fn slowed(&self, percent: f64) -> Self {
-        let stretch = 100.0 / percent;
-        Self {
-            duration: self.duration * stretch,
-            ramp: self.ramp * stretch,
-            acceleration: self.acceleration / (stretch * stretch),
-        }
     }
 
     /// Fraction of the way after `time` seconds.

@@ -113,9 +113,9 @@ pub(crate) fn ways(arm: &Arm, from: &JointPositions, to: &JointPositions) -> Vec
             let mut points = vec![*from];
             points.extend(vias);
             points.push(*to);
-            let moves: Vec<(Trapezoid, bool)> = points
+            let moves: Vec<Trapezoid> = points
                 .windows(2)
-                .map(|w| (Trapezoid::joints(&w[0], &w[1], arm.limits()), false))
+                .map(|w| Trapezoid::joints(&w[0], &w[1], arm.limits()))
                 .collect();
             Way {
                 time: chain_time(&moves),

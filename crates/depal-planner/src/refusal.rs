@@ -1,3 +1,4 @@
+use depal_motion::MotionError;
 use std::fmt;
 
 use depal_frames::Point;
@@ -153,6 +154,11 @@ pub enum RejectReason {
         /// Ways tried.
         tried: usize,
     },
+    /// A free way was found, but the arm cannot make its moves: an axis could not hold the load on it, say.
+    CannotDrive {
+        /// What the law of motion says.
+        error: MotionError,
+    },
     /// A way was found, but it has too many waypoints.
     TooManyWaypoints {
         /// Found.
@@ -201,6 +207,9 @@ impl fmt::Display for RejectReason {
                 "the arm cannot reach it {stage} (ik_unreachable, {tried} poses tried)"
             ),
             Self::Collision { touch, tried } => write!(f, "{touch} ({tried} ways tried)"),
+            Self::CannotDrive { error } => {
+                write!(f, "the way is free, but the arm cannot drive it: {error}")
+            }
             Self::TooManyWaypoints { found, limit } => {
                 write!(f, "the way has {found} waypoints, allowed are {limit}")
             }

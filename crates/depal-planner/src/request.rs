@@ -92,8 +92,6 @@ pub struct PlannerSettings {
     pub corner_zone: f64,
     /// Side of the cube that stands for one obstacle point, m.
     pub point_size: f64,
-    /// Speed of straight moves at 100 %, m/s.
-    pub linear_speed: f64,
     /// Acceleration of straight moves, m/s2.
     pub linear_acceleration: f64,
     /// Step of the padded path check, rad (Euclidean over all joints).
@@ -133,7 +131,6 @@ impl Default for PlannerSettings {
             place_gap: 0.006,
             corner_zone: 0.05,
             point_size: 0.025,
-            linear_speed: 1.0,
             linear_acceleration: 3.0,
             check_step: 0.05,
             attempts_per_grasp: 8,

@@ -28,19 +28,11 @@ const FREE_ZONE: Zone = Zone::Fly {
 /// Share of the acceleration with a carton on the gripper.
 const LOADED: f64 = 0.7;
 
-/// Time of a chain of moves, seconds. Where the controller flies past the point between two moves,
-/// the ramp down and the next ramp up run at the same time.
-pub(crate) fn chain_time(moves: &[(Trapezoid, bool)]) -> f64 {
-    let mut time = 0.0;
-    for (i, (profile, stops)) in moves.iter().enumerate() {
-        time += profile.duration;
-        if let Some((next, _)) = moves.get(i + 1)
-            && !stops
-        {
-            time -= profile.ramp.min(next.ramp);
-        }
-    }
-    time
+/// Time of a chain of moves, seconds. The controller flies past the point between two moves: the ramp down and the
+/// next ramp up run at the same time.
+pub(crate) fn chain_time(moves: &[Trapezoid]) -> f64 {
+    let between = moves.windows(2).map(|pair| pair[0].ramp.min(pair[1].ramp));
+    moves.iter().map(|profile| profile.duration).sum::<f64>() - between.sum::<f64>()
 }
 
 /// The moves of a plan as the shipped programs make them: percentages of [`TCP_SPEED`], all of the joints' speed,

@@ -1,3 +1,5 @@
+use depal_motion::MotionError;
+
 use crate::refusal::{RejectReason, Stage, Touch};
 
 /// What stood in the way of a group: the touch that came farthest, and how far reach was the trouble.
@@ -8,6 +10,8 @@ pub(super) struct Notes {
     pub reached_pick: bool,
     pub reached_place: bool,
     pub straight: Option<Stage>,
+    /// Why a way that is free cannot be driven.
+    pub driving: Option<Box<MotionError>>,
 }
 
 impl Notes {
@@ -27,6 +31,7 @@ impl Notes {
         self.reached_pick |= later.reached_pick;
         self.reached_place |= later.reached_place;
         self.straight = later.straight.or(self.straight);
+        self.driving = self.driving.take().or(later.driving);
     }
 
     /// All in one, after `tried` attempts.
@@ -34,6 +39,9 @@ impl Notes {
         let unreachable = |stage, tried| RejectReason::Unreachable { stage, tried };
         if !self.reached_pick {
             return unreachable(Stage::Pick, self.poses);
+        }
+        if let Some(error) = self.driving.as_deref().cloned() {
+            return RejectReason::CannotDrive { error };
         }
         match (&self.touch, self.straight) {
             (Some(touch), _) if tried > 0 || self.reached_place || touch.stage == Stage::Pick => {

@@ -42,10 +42,13 @@ pub(super) struct States {
 /// The whole way of one attempt, or what hinders it.
 pub(super) fn way(situation: &Situation, lifted: &Lifted, search: bool) -> Result<PickPlan, Notes> {
     let mut notes = Notes::default();
-    match states(situation, lifted, search, &mut notes) {
-        Some((states, clearance)) => Ok(finished(situation, lifted, &states, clearance)),
-        None => Err(notes),
-    }
+    let Some((states, clearance)) = states(situation, lifted, search, &mut notes) else {
+        return Err(notes);
+    };
+    finished(situation, lifted, &states, clearance).map_err(|error| {
+        notes.driving = Some(Box::new(error));
+        notes
+    })
 }
 
 fn states(

@@ -1,4 +1,5 @@
 use depal_frames::JointPositions;
+use depal_motion::MotionError;
 
 use super::way::{Lifted, States};
 use crate::{
@@ -6,22 +7,24 @@ use crate::{
     plan::{Motion, PickPlan, Waypoint},
     situation::Situation,
     suction::{along, loaded_percent, vertical_percent},
-    timing::{Trapezoid, chain_time, predicted_time},
+    timing::{Trapezoid, predicted_time},
 };
 
 /// A proven way as waypoints, with the velocities that the suction bears.
+///
+/// # Errors
+/// Where the law that moves the arm cannot make the moves.
 pub(super) fn finished(
     situation: &Situation,
     lifted: &Lifted,
     states: &States,
     min_clearance: f64,
-) -> PickPlan {
+) -> Result<PickPlan, MotionError> {
     let &Lifted { group, grasp, .. } = lifted;
     let request = situation.request;
     let (arm, settings) = (request.arm, request.settings);
     let mut waypoints: Vec<Waypoint> = Vec::new();
-    let mut moves: Vec<(Trapezoid, bool)> = Vec::new();
-    let mut add = |joints: &JointPositions, profile: Trapezoid, motion, percent: f64, is_pick| {
+    let mut add = |joints: &JointPositions, motion, percent: f64, is_pick| {
         waypoints.push(Waypoint {
             joints: *joints,
             base_from_tcp: situation.tool(joints),
@@ -29,15 +32,8 @@ pub(super) fn finished(
             velocity_percent: percent,
             is_pick,
         });
-        moves.push((profile.slowed(percent), is_pick));
     };
     let end = |states: &[JointPositions]| states[states.len() - 1];
-    let line = |states: &[JointPositions]| {
-        let [from, to] = [states[0], end(states)].map(|q| situation.tool(&q).translation.vector);
-        let length = (to - from).norm();
-        Trapezoid::line(length, settings.linear_speed, settings.linear_acceleration)
-    };
-    let profile = |w: &[JointPositions]| Trapezoid::joints(&w[0], &w[1], arm.limits());
     let States {
         there,
         approach,
@@ -46,14 +42,14 @@ pub(super) fn finished(
         set_down,
     } = states;
     for w in there.windows(2) {
-        add(&w[1], profile(w), Motion::Joint, 100.0, false);
+        add(&w[1], Motion::Joint, 100.0, false);
     }
-    add(&end(approach), line(approach), Motion::Linear, 100.0, true);
+    add(&end(approach), Motion::Linear, 100.0, true);
     let upwards = vertical_percent(&grasp.hold, settings);
-    add(&end(lift), line(lift), Motion::Linear, upwards, false);
+    add(&end(lift), Motion::Linear, upwards, false);
     let carton_in_tcp = grasp.carried.pose.translation.vector;
     for w in back.windows(2) {
-        let profile = profile(w);
+        let profile = Trapezoid::joints(&w[0], &w[1], arm.limits());
         let percent = loaded_percent(
             &profile,
             along(|q| situation.tool(q), &w[0], &w[1]),
@@ -61,21 +57,13 @@ pub(super) fn finished(
             &grasp.hold,
             settings,
         );
-        add(&w[1], profile, Motion::Joint, percent, false);
+        add(&w[1], Motion::Joint, percent, false);
     }
-    add(
-        &end(set_down),
-        line(set_down),
-        Motion::Linear,
-        upwards,
-        false,
-    );
+    add(&end(set_down), Motion::Linear, upwards, false);
     let size = group.whole.size;
-    // The law that moves the arm; where it cannot make a move, the sum of the moves alone.
     let mass = load(group, settings);
-    let estimated_time = predicted_time(request, &waypoints, mass, &carton_in_tcp)
-        .unwrap_or_else(|_| chain_time(&moves));
-    PickPlan {
+    let estimated_time = predicted_time(request, &waypoints, mass, &carton_in_tcp)?;
+    Ok(PickPlan {
         pick_index: there.len() - 1,
         estimated_time,
         waypoints,
@@ -91,5 +79,5 @@ pub(super) fn finished(
         carried: grasp.carried.clone(),
         min_clearance,
         rejected: Vec::new(),
-    }
+    })
 }

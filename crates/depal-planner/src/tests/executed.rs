@@ -5,7 +5,9 @@ use std::task::Poll;
 
 use depal_arm::Load;
 use depal_controller::{Controller, ControllerEvent, ControllerSpec, NoNetwork};
-use depal_motion::{BlendedPath, Interpolation, Segment, SegmentTarget, Speed, Trajectory, Zone};
+use depal_motion::{
+    BlendedPath, Interpolation, MotionError, Segment, SegmentTarget, Speed, Trajectory, Zone,
+};
 use depal_time::{RandomStream, SimTime, TICK};
 use depal_vm::execution::{RobotTask, RuntimeError, Step};
 use depal_vm::system::{
@@ -14,7 +16,7 @@ use depal_vm::system::{
 
 use super::*;
 use crate::timing::{as_driven, loads};
-use crate::{TransferGoal, TransferPlan, TransferScene, plan_transfer};
+use crate::{RejectReason, TransferGoal, TransferPlan, TransferScene, plan_transfer};
 
 /// A move with what the arm carries meanwhile: kg, and its centre in the flange frame.
 #[derive(Clone)]
@@ -414,4 +416,29 @@ fn a_pick_takes_the_time_that_is_said() {
         times.push(time);
     }
     assert!(times[1] > 1.02 * times[0], "{times:?}");
+}
+
+/// The way is free, but an axis could not hold gripper and carton on it: no plan, and the axis is named.
+#[test]
+fn a_pick_that_cannot_be_held_is_refused() {
+    let mut cell = Cell::new();
+    let boxes = pallet(1);
+    let states: Vec<JointPositions> = dense(&cell, &cell.plan(&boxes).unwrap(), 0.05)
+        .into_iter()
+        .map(|(_, q)| q)
+        .collect();
+    cell.arm = weak(&states, &Load::NONE, 0.0);
+    let Err(Refusal::NothingFits(rejections)) = cell.plan(&boxes) else {
+        panic!("planned");
+    };
+    let reason = &rejections[0].reason;
+    assert!(
+        matches!(
+            reason,
+            RejectReason::CannotDrive {
+                error: MotionError::Overload { .. }
+            }
+        ),
+        "{reason}"
+    );
 }
