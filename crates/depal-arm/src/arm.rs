@@ -4,7 +4,7 @@ use crate::{
     ArmError, ArmWarning,
     chain::{Chain, Motion},
     dynamics::Dynamics,
-    numeric::{self, Way},
+    numeric,
     opw::Solver,
     palletizer::Palletizer,
     shapes::MeshSource,
@@ -387,9 +387,7 @@ impl Arm {
                 .iter()
                 .map(|b| JointPositions::from_slice(b))
                 .collect(),
-            Inverse::Numeric => {
-                numeric::solutions(&self.chain, &self.limits, base_from_flange, Way::Both)
-            }
+            Inverse::Numeric => numeric::solutions(&self.chain, &self.limits, base_from_flange),
         }
     }
 

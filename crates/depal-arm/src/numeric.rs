@@ -26,19 +26,6 @@ const MOST_OF_MANY: usize = 24;
 /// Solutions nearer to each other than this are one, rad.
 const SAME: f64 = 1e-4;
 
-/// Which solver goes first from a beginning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Way {
-    /// The damped descent comes near, the chain library's solver ends it.
-    Both,
-    /// The chain library's alone.
-    #[cfg(test)]
-    Newton,
-    /// The damped descent alone.
-    #[cfg(test)]
-    Damped,
-}
-
 /// A joint that may turn all the way round has no wall to run into: its angle is brought home at the end.
 fn turns_round(limit: &JointLimit) -> bool {
     limit.upper - limit.lower >= TAU
@@ -150,25 +137,14 @@ pub(crate) fn solutions(
     chain: &Chain,
     limits: &[JointLimit],
     target: &Pose,
-    way: Way,
 ) -> Vec<JointPositions> {
-    let newton = match way {
-        Way::Both => Newton::new(chain, limits),
-        #[cfg(test)]
-        Way::Newton => Newton::new(chain, limits),
-        #[cfg(test)]
-        Way::Damped => None,
-    };
+    let newton = Newton::new(chain, limits);
     let most = if limits.len() > 6 { MOST_OF_MANY } else { 64 };
     let mut found: Vec<JointPositions> = Vec::new();
     let mut idle = 0;
     for k in 0..BEGINNINGS {
         let from = beginning(limits, k);
-        let solution = match way {
-            #[cfg(test)]
-            Way::Newton => newton.as_ref().and_then(|n| n.solve(target, &from, limits)),
-            _ => solve(chain, limits, target, &from, newton.as_ref()),
-        };
+        let solution = solve(chain, limits, target, &from, newton.as_ref());
         match solution {
             Some(solution) if found.iter().all(|f| !same_posture(f, &solution)) => {
                 found.push(solution);

@@ -103,21 +103,6 @@ fn of_all_seeds(work: impl Fn(u64) -> Score + Sync) -> Score {
     total
 }
 
-fn line(score: &Score) -> String {
-    format!(
-        "{:>3}/{:<3} | {:>2} | {:.2} / {:.2} | {:.2} | {:.3} / {:.3} | {:.3}",
-        score.found,
-        score.wanted,
-        score.false_positives,
-        quantile(&score.xy_mm, 0.5),
-        quantile(&score.xy_mm, 0.95),
-        quantile(&score.z_mm, 0.95),
-        quantile(&score.yaw_deg, 0.5),
-        quantile(&score.yaw_deg, 0.95),
-        quantile(&score.tilt_deg, 0.95),
-    )
-}
-
 fn row(layout: Layout, gap_mm: f64, preset: &str, sensor: SensorSpec, distance: f64) {
     let spec = camera(sensor);
     let at = looking_down(TOP + distance);
@@ -131,7 +116,7 @@ fn row(layout: Layout, gap_mm: f64, preset: &str, sensor: SensorSpec, distance: 
     });
     println!(
         "| {layout:?} | {gap_mm} | {preset} | {distance:.1} | {} |",
-        line(&score)
+        score.errors()
     );
 }
 
@@ -146,7 +131,7 @@ fn hard(case: Case) {
         score.add(&at, &wanted, &detect(&frame, &settings).boxes);
         score
     });
-    println!("| {case:?} | {} |", line(&score));
+    println!("| {case:?} | {} |", score.errors());
 }
 
 /// Free-standing cartons of a size that the estimation is not told.

@@ -8,7 +8,7 @@ use depal_time::RandomStreams;
 use super::{distance, random_joints};
 use crate::{
     Arm, ArmWarning,
-    numeric::{self, Way, same_posture},
+    numeric::{self, same_posture},
 };
 
 /// One row of a table in the convention of Denavit and Hartenberg (distal): d, a (m) and alpha (degrees).
@@ -113,7 +113,7 @@ fn judge(arm: &Arm, poses: usize) -> (usize, usize, usize) {
     for _ in 0..poses {
         let joints = random_joints(arm, &mut random);
         let pose = arm.base_from_flange(&joints);
-        let found = numeric::solutions(&arm.chain, arm.limits(), &pose, Way::Both);
+        let found = numeric::solutions(&arm.chain, arm.limits(), &pose);
         for (i, solution) in found.iter().enumerate() {
             let (metres, radians) = distance(&pose, &arm.base_from_flange(solution));
             assert!(arm.within_limits(solution), "{solution:?}");
@@ -252,52 +252,4 @@ fn chains_with_mimics_are_solved_as_well() {
     assert_eq!(arm.joint_count(), 6);
     let (solved, met, _) = judge(&arm, 100);
     assert!(solved == 100 && met >= 97, "{solved} {met}");
-}
-
-/// Figures for people: rate, branches and time of each way.
-#[test]
-#[ignore = "prints figures, judges nothing"]
-fn ways_compared() {
-    for arm in [ur10e(), crx()] {
-        for way in [Way::Newton, Way::Damped, Way::Both] {
-            let mut random = RandomStreams::new(1).stream("ways");
-            let (mut solved, mut met, mut postures) = (0, 0, 0);
-            #[expect(clippy::disallowed_methods, reason = "a figure for people")]
-            let start = std::time::Instant::now();
-            for _ in 0..200 {
-                let joints = random_joints(&arm, &mut random);
-                let pose = arm.base_from_flange(&joints);
-                let found = numeric::solutions(&arm.chain, arm.limits(), &pose, way);
-                solved += usize::from(!found.is_empty());
-                met += usize::from(found.iter().any(|f| same_posture(f, &joints)));
-                postures += found.len();
-            }
-            let ms = start.elapsed().as_secs_f64() * 1e3 / 200.0;
-            println!(
-                "{} {way:?}: solved {solved}, generating met {met}, postures {postures}, {ms:.2} ms",
-                arm.name()
-            );
-        }
-    }
-}
-
-/// Figures for people: time of the closed forms.
-#[test]
-#[ignore = "prints figures, judges nothing"]
-fn closed_forms_timed() {
-    for text in super::own_arms::ALL {
-        let arm = Arm::from_urdf_uniform(text, "own.urdf", 2.0).unwrap();
-        let mut random = RandomStreams::new(1).stream("timed");
-        let poses: Vec<Pose> = (0..2000)
-            .map(|_| arm.base_from_flange(&random_joints(&arm, &mut random)))
-            .collect();
-        let (mut least, mut found) = (f64::INFINITY, 0);
-        for _ in 0..10 {
-            #[expect(clippy::disallowed_methods, reason = "a figure for people")]
-            let start = std::time::Instant::now();
-            found = poses.iter().map(|pose| arm.inverse(pose).len()).sum();
-            least = least.min(start.elapsed().as_secs_f64() * 1e6 / 2000.0);
-        }
-        println!("{}: {least:.2} us, {found} solutions", arm.name());
-    }
 }

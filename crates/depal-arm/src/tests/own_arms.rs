@@ -11,17 +11,6 @@ const KR210: &str = include_str!("../../../../urdf/kuka_kr210_r2700_2.urdf");
 const KR16: &str = include_str!("../../../../urdf/kuka_kr16_2.urdf");
 const R2000IC: &str = include_str!("../../../../urdf/fanuc_r2000ic_165f.urdf");
 
-/// All of them.
-pub(super) const ALL: [&str; 7] = [
-    super::IRB6700,
-    IRB460,
-    IRB660,
-    KR120PA,
-    KR210,
-    KR16,
-    R2000IC,
-];
-
 fn load(text: &str) -> Arm {
     Arm::from_urdf_uniform(text, "own.urdf", 2.0).unwrap()
 }
@@ -302,8 +291,7 @@ fn descents_from_spread_beginnings_meet_the_branches_of_the_closed_form() {
     const POSES: usize = 25;
     for _ in 0..POSES {
         let pose = arm.base_from_flange(&random_joints(&arm, &mut random));
-        let found =
-            crate::numeric::solutions(&arm.chain, arm.limits(), &pose, crate::numeric::Way::Both);
+        let found = crate::numeric::solutions(&arm.chain, arm.limits(), &pose);
         // Whole turns of a joint are one branch.
         let alike = |a: &JointPositions, b: &JointPositions| {
             a.iter()

@@ -122,24 +122,24 @@ pub(super) fn text_request() -> impl Strategy<Value = Request> {
     ]
 }
 
-pub(super) fn later_reply() -> impl Strategy<Value = (Request, Reply)> {
-    let custom = || prop::collection::vec(real(), 0..9);
+fn point_list() -> impl Strategy<Value = PointList> {
     let record =
         (six(), any::<i32>(), any::<i32>()).prop_map(|(values, label, cell8)| PointRecord {
             values,
             label,
             cell8,
         });
-    let list = (
-        any::<bool>(),
-        0i32..50,
-        prop::collection::vec(record, 0..20),
-    )
-        .prop_map(|(is_last, vision_move, points)| PointList {
-            is_last,
-            vision_move,
-            points,
-        });
+    let points = prop::collection::vec(record, 0..20);
+    (any::<bool>(), 0i32..50, points).prop_map(|(is_last, vision_move, points)| PointList {
+        is_last,
+        vision_move,
+        points,
+    })
+}
+
+pub(super) fn later_reply() -> impl Strategy<Value = (Request, Reply)> {
+    let custom = || prop::collection::vec(real(), 0..9);
+    let list = point_list();
     let run = |format| {
         Request::RunVision(RunVision {
             job: 1,
@@ -262,22 +262,7 @@ pub(super) fn later_reply() -> impl Strategy<Value = (Request, Reply)> {
 }
 
 pub(super) fn reply() -> impl Strategy<Value = (Request, Reply)> {
-    let record =
-        (six(), any::<i32>(), any::<i32>()).prop_map(|(values, label, cell8)| PointRecord {
-            values,
-            label,
-            cell8,
-        });
-    let list = (
-        any::<bool>(),
-        0i32..50,
-        prop::collection::vec(record, 0..20),
-    )
-        .prop_map(|(is_last, vision_move, points)| PointList {
-            is_last,
-            vision_move,
-            points,
-        });
+    let list = point_list();
     let whole = (0u8..50).prop_map(f64::from);
     let plan = (prop::collection::vec(whole, PLAN_VALUES)).prop_map(|v| {
         let mut plan = [0.0; PLAN_VALUES];
