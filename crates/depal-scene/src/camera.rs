@@ -162,11 +162,10 @@ impl Camera {
     }
 }
 
-/// Refuses what a sensor would not heed. What a text below has for another sensor is no mistake: a
-/// command line that takes the ideal sensor need not know what the scene filters.
+/// Refuses what the command line asks of a sensor that would not heed it. In a file it is no mistake: who
+/// takes the ideal sensor for a moment need not take the keys of the other one out.
 fn check_sensor(camera: &Camera, checker: &mut Checker<'_, '_>) {
     let sensor = camera.sensor;
-    let asked = |key: &str, checker: &Checker<'_, '_>| checker.is_not_below(key, "sensor");
     if camera.noise_at_mm.is_some() && !checker.table.contains_key("noise_mm") {
         checker.problem(
             "noise_at_mm",
@@ -179,7 +178,7 @@ fn check_sensor(camera: &Camera, checker: &mut Checker<'_, '_>) {
             ("noise_mm", camera.noise_mm > 0.0),
             ("filters", !camera.filters.is_empty()),
         ] {
-            if is_set && asked(key, checker) {
+            if is_set && checker.is_override(key) {
                 checker.problem(
                     key,
                     format!("expected no {key} with sensor ideal, which is exact, found some"),
@@ -189,7 +188,7 @@ fn check_sensor(camera: &Camera, checker: &mut Checker<'_, '_>) {
         }
     } else if sensor != SensorPreset::Laser
         && camera.noise_at_mm.is_none()
-        && asked("noise_mm", checker)
+        && checker.is_override("noise_mm")
     {
         checker.problem(
             "noise_mm",

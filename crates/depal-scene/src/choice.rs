@@ -67,7 +67,10 @@ fn bare_words(node: &Node, reader: &Reader<'_>) -> Option<Vec<Node>> {
         return None;
     };
     reader.sources[node.place.source].override_value.as_ref()?;
-    let inside = text.trim().strip_prefix('[').and_then(|t| t.strip_suffix(']'));
+    let inside = text
+        .trim()
+        .strip_prefix('[')
+        .and_then(|t| t.strip_suffix(']'));
     let words = inside.unwrap_or(text).split(',').map(str::trim);
     let each = words.filter(|word| !word.is_empty()).map(|word| Node {
         value: Value::Text(word.to_owned()),
@@ -84,6 +87,13 @@ impl<C: Choice + PartialEq> Rule for WordsOf<C> {
         let items = match &node.value {
             _ if bare.is_some() => bare.as_deref().unwrap_or_default(),
             Value::List(items) => items,
+            Value::Text(text) if text.contains(',') => {
+                let words: Vec<&str> = text.split(',').map(str::trim).collect();
+                let message = format!("expected a list of words, found {}", node.described());
+                let hint = Some(format!("write {words:?}"));
+                reader.problem(&node.place, key, message, hint);
+                return None;
+            }
             _ => std::slice::from_ref(node),
         };
         let mut read = Vec::with_capacity(items.len());

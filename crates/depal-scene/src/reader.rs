@@ -144,19 +144,13 @@ impl Checker<'_, '_> {
         self.reader
             .problem(&place, &key, message, hint.map(str::to_owned));
     }
-}
 
-impl Checker<'_, '_> {
-    /// Whether a key is written by the same text as another one or over it, not below it: a command line
-    /// goes over a scene, and a scene over what it extends. What stands nowhere is below everything.
-    pub(crate) fn is_not_below(&self, key: &str, other: &str) -> bool {
-        let sources = self.reader.sources;
-        let depth = |key: &str| {
-            let source = self.table.get(key)?.node.place.source;
-            let is_override = sources[source].override_value.is_some();
-            Some(if is_override { 0 } else { 1 + source })
-        };
-        depth(key).is_some_and(|own| depth(other).is_none_or(|other| own <= other))
+    /// Whether the command line gives this key.
+    pub(crate) fn is_override(&self, key: &str) -> bool {
+        self.table.get(key).is_some_and(|entry| {
+            let source = entry.node.place.source;
+            self.reader.sources[source].override_value.is_some()
+        })
     }
 }
 

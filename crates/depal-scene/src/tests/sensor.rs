@@ -73,13 +73,16 @@ fn what_is_wrong_with_the_sensor_keys() {
         told(
             "sensor = \"laser\"",
             "sensor = \"laser-2m\"",
-            &[("camera.filter", "median")],
+            &[("camera.noise_mm", "0.2"), ("camera.filter", "median")],
         ),
-        told("sensor = \"laser\"", "sensor = \"ideal\"", &[]),
         told(
             "",
             "",
-            &[("camera.sensor", "ideal"), ("camera.filters", "median")],
+            &[
+                ("camera.sensor", "ideal"),
+                ("camera.filters", "median"),
+                ("camera.noise_mm", "0.2"),
+            ],
         ),
     ];
     insta::assert_snapshot!(pages.join("\n"));
@@ -227,7 +230,7 @@ fn the_noise_of_a_data_sheet_is_found_on_a_wall_at_its_distance() {
         ("camera.noise_at_mm", "2000"),
         ("camera.without", "axial_noise"),
     ];
-    assert_eq!(deviation_mm(2.0, &none), 0.0);
+    assert_eq!(sensor(&none).axial_noise, 0.0);
 }
 
 #[test]
@@ -274,17 +277,23 @@ fn the_ideal_sensor_is_exact_whatever_a_scene_asks_of_another() {
     // Leaving out what is not there asks for nothing that is not given.
     let words = [("camera.sensor", "ideal"), ("camera.without", "shadow")];
     assert_eq!(camera(&words), spec(DEMO));
-    // A scene over the one that chose the sensor is told, one below it is not.
-    let files = |path: &str| match path {
-        "scenes/base.toml" => Ok(text.replace("sensor = \"laser\"", "sensor = \"ideal\"")),
-        path => super::any_file(path),
-    };
-    let extended = |keys: &str| {
-        let text = format!("extends = \"base.toml\"\nname = \"above\"\n[camera]\n{keys}\n");
-        Scene::load(&text, "scenes/above.toml", &[], None, &files)
-    };
-    assert!(extended("sensor = \"laser-2m\"").is_ok());
-    let errors = extended("without = \"bowl\"").unwrap_err();
-    let keys: Vec<_> = errors.problems.iter().map(|p| p.key.as_str()).collect();
-    assert_eq!(keys, ["camera.noise_mm", "camera.filters"]);
+    // A file may keep the keys of the sensor that it had before; on the command line they are meant.
+    let edited = text.replace("sensor = \"laser\"", "sensor = \"ideal\"");
+    assert_eq!(real(&edited, &[]).cell_spec().unwrap().camera, spec(DEMO));
+    let errors = load(&edited, &[("camera.filters", "median")]).unwrap_err();
+    assert_eq!(errors.problems[0].key, "camera.filters");
+    assert!(
+        load(
+            &edited,
+            &[("camera.filters", "[]"), ("camera.noise_mm", "0")]
+        )
+        .is_ok()
+    );
+    assert!(
+        load(
+            &edited,
+            &[("camera.sensor", "laser-2m"), ("camera.filters", "median")]
+        )
+        .is_ok()
+    );
 }
