@@ -297,3 +297,25 @@ fn the_ideal_sensor_is_exact_whatever_a_scene_asks_of_another() {
         .is_ok()
     );
 }
+
+#[test]
+fn the_lines_that_a_scene_offers_hold_once_their_mark_is_gone() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/mixed.toml");
+    let text = read_text(path).unwrap();
+    let keys = ["without", "noise_at_mm", "device_seed", "filters", "hdr"];
+    let offered = keys.map(|key| format!("# {key} = "));
+    assert!(offered.iter().all(|line| text.matches(line).count() == 1));
+    let taken = offered
+        .iter()
+        .fold(text.clone(), |text, line| text.replace(line, &line[2..]));
+    let camera = |text: &str| {
+        let scene = Scene::load(text, path, &[], None, &read_text);
+        scene.unwrap_or_else(|errors| panic!("{errors}")).camera
+    };
+    let camera = (camera(&text), camera(&taken));
+    assert_eq!(camera.0.without, []);
+    assert_eq!(camera.1.without, [SensorTerm::Shadow, SensorTerm::Bowl]);
+    assert_eq!(camera.1.noise_at_mm, Some(2000.0));
+    assert_eq!((camera.1.device_seed, camera.1.hdr), (2, true));
+    assert_eq!(camera.1.filters.len(), 2);
+}
