@@ -7,7 +7,7 @@ mod pixels;
 mod plan;
 mod projector;
 
-pub(crate) use lamp::{KEEP_BITS, NOISE_DISTANCE, unpack};
+pub(crate) use lamp::{KEEP_BITS, NOISE_DISTANCE, SIGNAL_FACTORS, unpack};
 pub(crate) use patch::Patch;
 pub(crate) use pixels::LitTile;
 pub(crate) use plan::Plan;

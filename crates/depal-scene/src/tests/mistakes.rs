@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 use super::{DEMO, load};
 
 /// The demo with one line replaced (or put at the end), and what loading it says.
-fn told(found: &str, replacement: &str, overrides: &[(&str, &str)]) -> String {
+pub(super) fn told(found: &str, replacement: &str, overrides: &[(&str, &str)]) -> String {
     let text = if found.is_empty() {
         format!("{DEMO}{replacement}\n")
     } else {
