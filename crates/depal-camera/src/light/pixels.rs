@@ -21,7 +21,8 @@ pub(crate) struct LitTile<'a> {
 /// On what a pixel lies.
 #[derive(Clone, Copy)]
 struct Surface {
-    solid: u32,
+    /// Index into the lamps, or [`EMPTY`].
+    lamp: u32,
     /// Index into the view's rounds, or [`Face::FLAT`].
     round: u32,
     /// How far its plane lies before the camera and before the projector, metres.
@@ -40,7 +41,7 @@ impl Lighting<'_> {
         let x = chunk(&self.columns, tile * TILE);
         let y = self.y(v);
         let yy = y * y + 1.0;
-        let (mut k, mut c1, mut solid) = ([0.0; TILE], [0.0; TILE], [EMPTY; TILE]);
+        let (mut k, mut c1, mut lamps) = ([0.0; TILE], [0.0; TILE], [EMPTY; TILE]);
         let mut there = self.surface(surface[0]);
         let mut left = 0_u32;
         let mut others = 0;
@@ -50,8 +51,8 @@ impl Lighting<'_> {
         let one = (others == 0) & (there.round == Face::FLAT);
         if one {
             (k, c1) = ([there.before.0; TILE], [there.before.1; TILE]);
-            solid = [there.solid; TILE];
-            left = if there.solid == EMPTY { 0 } else { 0xffff };
+            lamps = [there.lamp; TILE];
+            left = if there.lamp == EMPTY { 0 } else { 0xffff };
         }
         for n in 0..if one { 0 } else { TILE } {
             if n > 0 && surface[n] != surface[n - 1] {
@@ -60,31 +61,33 @@ impl Lighting<'_> {
             if there.round != Face::FLAT {
                 there.before = self.before_round(there.round, w[n], x[n], y);
             }
-            solid[n] = there.solid;
+            lamps[n] = there.lamp;
             (k[n], c1[n]) = there.before;
-            left |= u32::from(there.solid != EMPTY) << n;
+            left |= u32::from(there.lamp != EMPTY) << n;
         }
+        // What is hidden is dark below, whatever shines.
+        left &= !u32::from(shade);
         // Arrays of their own: of the buffers the compiler does not know that they are not the lamp's.
         let (mut depth, mut packed, mut grey) = ([0.0; TILE], [0; TILE], [0.0; TILE]);
         while left != 0 {
-            let own = solid[left.trailing_zeros() as usize];
+            let own = lamps[left.trailing_zeros() as usize];
             let lamp = self.lamps[own as usize];
             let mut mine = 0;
             for n in 0..TILE {
                 let (w, x, k, c1) = (w[n], x[n], k[n], c1[n]);
                 let mut lit = lamp.shine(Hit { w, x, yy, k, c1 });
                 let word = pack(lit.sigma, lamp.take_grazing(&mut lit));
-                let same = solid[n] == own;
+                let same = lamps[n] == own;
                 depth[n] = if same { lit.depth } else { depth[n] };
                 packed[n] = if same { word } else { packed[n] };
                 grey[n] = if same { lit.grey } else { grey[n] };
             }
             for n in 0..TILE {
-                mine |= u32::from(solid[n] == own) << n;
+                mine |= u32::from(lamps[n] == own) << n;
             }
             left &= !mine;
             if lamp.gloss > 0.0 {
-                for n in (0..TILE).filter(|n| solid[*n] == own) {
+                for n in (0..TILE).filter(|n| lamps[*n] == own) {
                     let (w, x, k, c1) = (w[n], x[n], k[n], c1[n]);
                     if lamp.is_over_exposed(Hit { w, x, yy, k, c1 }) {
                         if !self.spec.sensor.hdr {
@@ -95,12 +98,21 @@ impl Lighting<'_> {
                 }
             }
         }
-        let mut hidden = shade;
-        while hidden != 0 {
-            let n = hidden.trailing_zeros() as usize;
-            hidden &= hidden - 1;
-            depth[n] = 0.0;
-            grey[n] = self.lamps[solid[n] as usize].ambient_grey;
+        if shade != 0 {
+            let mut ambient = [0.0; TILE];
+            let mut last = (EMPTY, 0.0);
+            for n in 0..TILE {
+                if lamps[n] != last.0 {
+                    let lamp = self.lamps.get(lamps[n] as usize);
+                    last = (lamps[n], lamp.map_or(0.0, |lamp| lamp.ambient_grey));
+                }
+                ambient[n] = last.1;
+            }
+            for n in 0..TILE {
+                let hidden = u32::from(shade) & (1 << n) != 0;
+                depth[n] = if hidden { 0.0 } else { depth[n] };
+                grey[n] = if hidden { ambient[n] } else { grey[n] };
+            }
         }
         (*out.depth, *out.packed, *out.grey) = (depth, packed, grey);
     }
@@ -132,14 +144,14 @@ impl Lighting<'_> {
     fn surface(&self, index: u32) -> Surface {
         if index == EMPTY {
             return Surface {
-                solid: EMPTY,
+                lamp: EMPTY,
                 round: Face::FLAT,
                 before: (0.0, 0.0),
             };
         }
         let face = &self.rendering.view.faces[index as usize];
         Surface {
-            solid: face.solid,
+            lamp: self.lamp_of_solid[face.solid as usize],
             round: face.round,
             before: self.before(face),
         }

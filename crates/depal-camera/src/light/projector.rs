@@ -95,8 +95,7 @@ impl<'a> Projector<'a> {
             if tile.most == 0.0 {
                 continue;
             }
-            // What is nearer than this stands more than the least depth before some point.
-            let least = tile.least / (1.0 - SHADOW_DEPTH * tile.least).max(1e-6);
+            let least = least_that_hides(tile);
             for target in &mut strip.tiles[tiles_of(*columns, first_column)] {
                 target.seen.least = target.seen.least.min(least);
                 target.spared = match target.spared {
@@ -126,10 +125,15 @@ impl<'a> Projector<'a> {
                 continue;
             }
             let range = tiles_of(strip.columns[column], first_column);
-            let harmless = |solid: u32| solid == EMPTY || (solid == tile.solid && solid != MIXED);
+            // Nothing there, nothing but the tile's own solid, or nothing near enough to hide any of it.
+            let least = least_that_hides(tile);
+            let harmless = |there: &Seen| {
+                let solid = there.solid;
+                solid == EMPTY || (solid == tile.solid && solid != MIXED) || there.most <= least
+            };
             if target.tiles[range.clone()]
                 .iter()
-                .all(|t| harmless(t.seen.solid))
+                .all(|t| harmless(&t.seen))
             {
                 continue;
             }
@@ -216,6 +220,12 @@ impl<'a> Projector<'a> {
         }
         hidden
     }
+}
+
+/// What is nearer than this 1/z stands more than the least depth before some point of a tile.
+#[inline(always)]
+fn least_that_hides(tile: &Seen) -> f32 {
+    tile.least / (1.0 - SHADOW_DEPTH * tile.least).max(1e-6)
 }
 
 /// Tiles of the projector's picture that hold columns `from..=to`.
