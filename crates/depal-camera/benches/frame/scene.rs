@@ -16,6 +16,7 @@ fn solid(id: u32, shape: Shape, at: [f64; 3], turn: [f64; 3]) -> RenderShape {
         shape,
         id,
         material: Material::KRAFT,
+        edge_radius: 0.0,
     }
 }
 
@@ -136,6 +137,7 @@ pub fn arm() -> (Vec<RenderMesh>, Vec<RenderShape>) {
                 shape,
                 id: 200,
                 material: Material::PAINT,
+                edge_radius: 0.0,
             });
         }
     }

@@ -62,6 +62,7 @@ fn vision_finds_every_carton_of_the_interface_scene() {
             shape: shape.shape,
             id,
             material: Material::KRAFT,
+            edge_radius: 0.0,
         })
         .collect();
     let world_from_camera = spec.world_from_camera(None);

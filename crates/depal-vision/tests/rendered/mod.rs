@@ -207,6 +207,7 @@ pub fn block(
         shape: Shape::cuboid(size[0], size[1], size[2]),
         id,
         material,
+        edge_radius: 0.0,
     }
 }
 
@@ -220,6 +221,7 @@ impl Carton {
             shape: Shape::cuboid(self.size[0], self.size[1], self.size[2]),
             id,
             material: Material::KRAFT,
+            edge_radius: 0.0,
         }
     }
 
