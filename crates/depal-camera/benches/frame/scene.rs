@@ -20,6 +20,15 @@ fn solid(id: u32, shape: Shape, at: [f64; 3], turn: [f64; 3]) -> RenderShape {
     }
 }
 
+/// The cartons of a scene with rounded edges.
+pub fn rounded(scene: &[RenderShape], edge_radius: f64) -> Vec<RenderShape> {
+    let mut scene = scene.to_vec();
+    for item in scene.iter_mut().filter(|item| (10..110).contains(&item.id)) {
+        item.edge_radius = edge_radius;
+    }
+    scene
+}
+
 /// Floor, pallet and 100 cartons.
 pub fn stack() -> Vec<RenderShape> {
     let block =
