@@ -29,7 +29,7 @@ impl RoundedBox {
     /// Outward unit normal at a point of the surface, in the view's frame.
     pub fn normal_at(&self, point: &Vector) -> Vector {
         let local = self.box_from_view * point + self.eye;
-        let arm = self.beyond(&local);
+        let arm = self.beyond(&local, 1.0);
         self.box_from_view.tr_mul(&arm.normalize())
     }
 
@@ -39,23 +39,28 @@ impl RoundedBox {
         self.box_from_view * ray
     }
 
-    /// From the nearest point of the smaller box.
+    /// From the nearest point of the smaller box, when both are drawn to `scale`.
     #[inline(always)]
-    fn beyond(&self, local: &Vector) -> Vector {
-        let past = |k: usize| local[k] - local[k].clamp(-self.inner[k], self.inner[k]);
+    fn beyond(&self, local: &Vector, scale: f64) -> Vector {
+        let past = |k: usize| {
+            let side = self.inner[k] * scale;
+            local[k] - local[k].clamp(-side, side)
+        };
         Vector::new(past(0), past(1), past(2))
     }
 
-    /// How many times `ray`, which is turned to the box, reaches from the eye to the surface. `entry`: the
-    /// same for the sharp box around it; none when the ray passes by.
+    /// 1/z where `ray`, which is turned to the box, meets the surface. `sharp`: the same of the sharp box
+    /// around it; none when the ray passes by.
     ///
     /// The squared distance from the smaller box is convex along the ray, and quadratic as long as the
-    /// same sides are passed. Nearly always they are at the hit what they are at the entry.
+    /// same sides are passed. Nearly always they are at the hit what they are at the entry. All lengths
+    /// are multiplied by `sharp`, which spares divisions.
     #[inline(always)]
-    pub fn reach(&self, ray: &Vector, entry: f64) -> Option<f64> {
-        let start = self.eye + ray * entry;
-        let arm = self.beyond(&start);
-        let (mut a, mut b, mut c) = (0.0, 0.0, -self.radius * self.radius);
+    pub fn meet(&self, ray: &Vector, sharp: f64) -> Option<f64> {
+        let start = self.eye * sharp + ray;
+        let arm = self.beyond(&start, sharp);
+        let radius = self.radius * sharp;
+        let (mut a, mut b, mut c) = (0.0, 0.0, -radius * radius);
         for k in 0..3 {
             let along = if arm[k] == 0.0 { 0.0 } else { ray[k] };
             a += along * along;
@@ -63,28 +68,32 @@ impl RoundedBox {
             c += arm[k] * arm[k];
         }
         if c <= 0.0 {
-            return Some(entry);
+            return Some(sharp);
+        }
+        if b >= 0.0 {
+            return None; // once the distance grows it never falls again
         }
         let discriminant = b * b - a * c;
-        if b < 0.0 && discriminant >= 0.0 {
-            let further = c / (discriminant.sqrt() - b);
-            let hit = start + ray * further;
-            let same = (0..3).all(|k| {
-                let side = hit[k].abs() > self.inner[k];
-                if arm[k] == 0.0 {
-                    !side
-                } else {
-                    side && hit[k] * arm[k] > 0.0
-                }
-            });
+        if discriminant >= 0.0 {
+            // The hit is c / root further on.
+            let root = discriminant.sqrt() - b;
+            let mut same = true;
+            for k in 0..3 {
+                let hit = start[k] * root + ray[k] * c;
+                let past = hit.abs() > self.inner[k] * sharp * root;
+                same &= (past == (arm[k] != 0.0)) & (hit * arm[k] >= 0.0);
+            }
             if same {
-                return Some(entry + further);
+                return Some(sharp * root / (root + c));
             }
         }
-        self.walk(&start, ray).map(|further| entry + further)
+        let further = self.walk(&(start / sharp), ray)?;
+        Some(1.0 / (1.0 / sharp + further))
     }
 
-    /// The same from a point outside, piece by piece: in each the same sides are passed.
+    /// How many times `ray` reaches from a point outside to the surface, piece by piece: in each the same
+    /// sides are passed.
+    #[cold]
     #[inline(never)]
     fn walk(&self, start: &Vector, ray: &Vector) -> Option<f64> {
         // Where each coordinate is: below (-1), within (0) or beyond (1) the smaller box.

@@ -99,8 +99,8 @@ impl Target<'_> {
                 continue;
             }
             let ray = row.ray.0 + row.ray.1 * column;
-            if let Some(z) = rim.rounded.reach(&ray, 1.0 / sharp) {
-                *value = (1.0 / z) as f32;
+            if let Some(w) = rim.rounded.meet(&ray, sharp) {
+                *value = w as f32;
                 any = true;
             }
         }

@@ -230,7 +230,7 @@ fn a_cube_rounded_by_half_its_side_is_a_ball() {
         greys += usize::from(cube.frame.intensity[pixel].abs_diff(ball.frame.intensity[pixel]) > 1);
     }
     assert!(ids <= 2 && greys <= 20, "{ids} {greys}");
-    assert!(300 * depths < shown, "{depths} of {shown} depths");
+    assert!(100 * depths < shown, "{depths} of {shown} depths");
 }
 
 /// The light on an edge is that of a plane which touches it there: neither that of the face before nor
