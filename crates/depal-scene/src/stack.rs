@@ -121,7 +121,8 @@ section! {
         friction: f64, FRICTION, default(0.45);
         /// Radius of the edges and corners as the camera sees them, mm; at most half of the shortest side.
         /// Only the picture knows it: contacts are those of sharp boxes.
-        /// Default 0: sharp. A fold of corrugated board is as round as the board is thick: 3 mm (B flute) or 4 mm (C flute).
+        /// Default 0: sharp, for which the estimation's figures are given. A fold of corrugated board is taken to be
+        /// about as round as the board is thick: 3 mm (B flute) or 4 mm (C flute).
         edge_radius_mm: f64, EDGE_RADIUS_MM, default(0.0);
     }
     check check_cartons;

@@ -244,7 +244,7 @@ fn scan(
         let dz = ((ends[1].z - ends[0].z) * per) as f32;
         // Half a pixel added: cutting off rounds to the nearest.
         let (u0, v0, z0) = ((u0 + 0.5) as f32, (v0 + 0.5) as f32, ends[0].z as f32);
-        let mut last: Option<(i32, i32, f32)> = None;
+        let mut last: Option<(i32, i32)> = None;
         for step in 0..=count as i32 {
             let s = step as f32;
             let (u, v, expected) = (u0 + du * s, v0 + dv * s, z0 + dz * s);
@@ -256,7 +256,7 @@ fn scan(
             let (u, v) = (u as i32, v as i32);
             let z = image.depth[v as usize * image.width + u as usize];
             if z != 0.0 && (z - expected).abs() <= tolerance {
-                last = Some((u, v, z));
+                last = Some((u, v));
                 continue;
             }
             if let Some(inner) = last
@@ -279,10 +279,7 @@ fn scan(
                         .is_some_and(|(z, expected)| z < expected - tolerance.max(TALLER));
                 let middle = |a: i32, b: i32| f64::from(a + b) / 2.0;
                 let ray = k.ray(middle(inner.0, u), middle(inner.1, v));
-                // As deep as was measured there, not on the plane: folded board is round, so the last that is
-                // seen of a side may lie by the fold's radius below it, and seen at a slant that lower point
-                // taken for one of the plane would lie aside, on all four sides towards the camera's axis.
-                let at = ray * f64::from(inner.2) - frame.origin.coords;
+                let at = frame.plane.meet(&ray) - frame.origin;
                 crossings.push(Crossing {
                     along: at.dot(&tangent),
                     beyond: at.dot(&outward) - half,
