@@ -2,6 +2,7 @@
 
 mod decal;
 mod geometry;
+mod rounded;
 mod sensor;
 
 use depal_frames::{Intrinsics, Pose, Rotation, Shape, Vector};
@@ -40,6 +41,7 @@ fn solid(id: u32, shape: Shape, at: [f64; 3], turn: [f64; 3]) -> RenderShape {
         shape,
         id,
         material: Material::KRAFT,
+        edge_radius: 0.0,
     }
 }
 

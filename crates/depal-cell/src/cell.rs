@@ -367,6 +367,7 @@ fn drawn(visible: VisibleShape) -> RenderShape {
             VisibleKind::Conveyor(_) => Material::CONCRETE,
             VisibleKind::Link(_) | VisibleKind::Tool => Material::PAINT,
         },
+        edge_radius: visible.edge_radius,
     }
 }
 

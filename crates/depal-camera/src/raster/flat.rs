@@ -55,6 +55,25 @@ impl Target<'_> {
         let Some((first, last)) = self.columns(drawable, surface) else {
             return;
         };
+        let spans = self.sides(drawable, flat, (first, last));
+        let ramp = Ramp {
+            corner: flat.at_origin
+                + flat.per_row * self.first_row as f64
+                + flat.per_column * f64::from(self.first_column),
+            per_column: flat.per_column,
+            per_row: flat.per_row,
+        };
+        self.flat(&spans, &ramp, surface);
+    }
+
+    /// Columns `first..=last` within the sides of a polygon.
+    #[inline(always)]
+    pub(super) fn sides(
+        &self,
+        drawable: &Drawable,
+        flat: &FlatSpan,
+        (first, last): (f64, f64),
+    ) -> Spans {
         let (left, count) = (flat.left_sides as usize, flat.side_count as usize);
         let (mut lo, mut hi) = ([first; BAND], [last; BAND]);
         let mut y = [0.0; BAND];
@@ -74,15 +93,7 @@ impl Target<'_> {
             }
         }
         let origin = f64::from(self.first_column);
-        let spans = Spans::within(&lo, &hi, origin, &self.rows_of(drawable));
-        let ramp = Ramp {
-            corner: flat.at_origin
-                + flat.per_row * self.first_row as f64
-                + flat.per_column * f64::from(self.first_column),
-            per_column: flat.per_column,
-            per_row: flat.per_row,
-        };
-        self.flat(&spans, &ramp, surface);
+        Spans::within(&lo, &hi, origin, &self.rows_of(drawable))
     }
 
     /// Draws a plane within spans.

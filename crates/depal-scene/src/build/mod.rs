@@ -154,6 +154,7 @@ impl Scene {
             world: WorldSpec {
                 fixed: solids::fixed_bodies(self),
                 conveyors: vec![solids::conveyor(&self.conveyor)],
+                carton_edge_radius: self.cartons.edge_radius_mm * 1e-3,
                 ..WorldSpec::default()
             },
             cartons: self.carton_specs(),

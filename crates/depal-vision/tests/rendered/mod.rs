@@ -207,7 +207,15 @@ pub fn block(
         shape: Shape::cuboid(size[0], size[1], size[2]),
         id,
         material,
+        edge_radius: 0.0,
     }
+}
+
+/// Radius of the cartons' edges, metres: `EDGE_MM` of the environment, so that every test and table can be had
+/// with another one; else 0.
+pub fn edge_radius() -> f64 {
+    let given = std::env::var("EDGE_MM").ok();
+    given.and_then(|mm| mm.parse().ok()).unwrap_or(0.0) * 1e-3
 }
 
 impl Carton {
@@ -220,6 +228,7 @@ impl Carton {
             shape: Shape::cuboid(self.size[0], self.size[1], self.size[2]),
             id,
             material: Material::KRAFT,
+            edge_radius: edge_radius(),
         }
     }
 
