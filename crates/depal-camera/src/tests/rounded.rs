@@ -284,7 +284,9 @@ fn between_touching_boxes_lies_a_notch_and_at_four_corners_a_hole() {
     ];
     let shot = capture(&spec, &Pose::identity(), &scene, 0);
     let mut sharp = scene.clone();
-    sharp.iter_mut().for_each(|item| item.edge_radius = 0.0);
+    for item in &mut sharp {
+        item.edge_radius = 0.0;
+    }
     let sharp = capture(&spec, &Pose::identity(), &sharp, 0);
     let inside = |pixel: usize| {
         let (u, v) = (pixel % 640, pixel / 640);
@@ -349,7 +351,9 @@ fn rounded_pictures_have_the_same_bits_on_any_number_of_threads() {
         assert!(one == on(threads), "{threads} threads");
     }
     let sharp = |mut scene: Vec<RenderShape>| {
-        scene.iter_mut().for_each(|item| item.edge_radius = 0.0);
+        for item in &mut scene {
+            item.edge_radius = 0.0;
+        }
         capture(&spec, &Pose::identity(), &scene, 9)
     };
     assert!(one != sharp(scene.clone()));
