@@ -61,13 +61,7 @@ impl Patch {
 impl Lighting<'_> {
     /// The patch of a tile; it is not smooth when it is not of that kind, or when a shadow reaches it.
     #[inline(always)]
-    pub(super) fn patch(
-        &self,
-        column: usize,
-        band: usize,
-        margin: usize,
-        reached: bool,
-    ) -> Patch {
+    pub(super) fn patch(&self, column: usize, band: usize, margin: usize, reached: bool) -> Patch {
         let r = self.rendering;
         let index = r.tiles[band * r.intrinsics.width.div_ceil(TILE) + column].face;
         if index == MIXED || !self.is_one_face(index, column, band, margin) {
