@@ -5,7 +5,8 @@
 //! It must never know what a carton, a pallet or an arm is.
 //!
 //! Boxes (sharp or with rounded edges), balls, tubes and plates are drawn exactly: every row of such a surface is a span in closed
-//! form, so nothing is tessellated and nothing is clipped. Meshes are drawn triangle by triangle.
+//! form, so nothing is tessellated and nothing is clipped. Meshes are drawn triangle by triangle, flat pairs of them at
+//! once.
 //! A second pass from the projector finds what the pattern does not reach.
 //! The image is worked on in bands of rows, and every random number depends on seed and pixel only,
 //! so the result has the same bits for any number of threads and any vector width.
@@ -45,6 +46,7 @@
 
 mod capture;
 mod decal;
+mod facets;
 mod light;
 mod mesh;
 mod mounting;

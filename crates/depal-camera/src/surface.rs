@@ -4,6 +4,7 @@ use depal_frames::nalgebra::Matrix3;
 use depal_frames::{Point, Pose, Shape, Vector};
 
 use crate::TriangleMesh;
+use crate::facets::{Facet, normal_of};
 use crate::rounded::RoundedBox;
 
 /// Edges of a smaller radius are sharp, metres.
@@ -131,7 +132,8 @@ pub(crate) fn collect_shape(
         }
         Shape::Sphere { radius } => collect_sphere(out, centre, *radius),
         Shape::Hull(hull) => {
-            collect_triangles(out, view_from_shape, hull.vertices(), hull.triangles());
+            let triangles = hull.triangles().iter().map(|[a, b, c]| [*a, *b, *c, *c]);
+            collect_facets(out, view_from_shape, hull.vertices(), triangles);
         }
         Shape::Capsule {
             half_length,
@@ -243,21 +245,22 @@ fn face_of(
     Some((polygon, bounds_of(&quad)?))
 }
 
-/// Hands over the triangles that turn towards the eye.
+/// Hands over the facets of a mesh that turn towards the eye.
 #[inline(always)]
 pub(crate) fn collect_mesh(out: &mut impl Collect, view_from_mesh: &Pose, mesh: &TriangleMesh) {
     if view_from_mesh.translation.z + mesh.bounding_radius() <= 0.0 {
         return;
     }
-    collect_triangles(out, view_from_mesh, mesh.vertices(), mesh.triangles());
+    let facets = mesh.facets().iter().copied();
+    collect_facets(out, view_from_mesh, mesh.vertices(), facets);
 }
 
 #[inline(always)]
-fn collect_triangles(
+fn collect_facets(
     out: &mut impl Collect,
     view_from_mesh: &Pose,
     vertices: &[Point],
-    triangles: &[[u32; 3]],
+    facets: impl Iterator<Item = Facet>,
 ) {
     let rotation = view_from_mesh.rotation.to_rotation_matrix();
     let shift = view_from_mesh.translation.vector;
@@ -265,23 +268,36 @@ fn collect_triangles(
         .iter()
         .map(|p| rotation * p.coords + shift)
         .collect();
-    for triangle in triangles {
-        let [a, b, c] = triangle.map(|k| corners[k as usize]);
-        let normal = (b - a).cross(&(c - a));
+    for facet in facets {
+        let quad = facet.map(|k| corners[k as usize]);
+        let [a, b, c, d] = quad;
+        let is_triangle = facet[2] == facet[3];
+        let normal = if is_triangle {
+            (b - a).cross(&(c - a))
+        } else {
+            normal_of(&quad)
+        };
         let plane = normal.dot(&a);
         if plane >= 0.0 {
             continue;
         }
-        let Some(bounds) = bounds_of(&[a, b, c]) else {
+        // The last corner of a triangle stands there twice.
+        let Some(bounds) = bounds_of(&quad) else {
             continue;
         };
         let scale = 1.0 / normal.norm();
         // Listed counter-clockwise from outside, inwards edges run the other way round.
+        let (ba, cb) = (b.cross(&a), c.cross(&b));
+        let (edges, count) = if is_triangle {
+            ([a.cross(&c), cb, ba, Vector::zeros()], 3)
+        } else {
+            ([a.cross(&d), d.cross(&c), cb, ba], 4)
+        };
         let polygon = Polygon {
             normal: normal * scale,
             plane: plane * scale,
-            edges: [a.cross(&c), c.cross(&b), b.cross(&a), Vector::zeros()],
-            corners: 3,
+            edges,
+            corners: count,
         };
         out.polygon(&polygon, bounds);
     }

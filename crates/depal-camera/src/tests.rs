@@ -1,6 +1,7 @@
 //! Laws of the camera: exact geometry against ray casts, the sensor model against its own formulas.
 
 mod decal;
+mod facets;
 mod geometry;
 mod rounded;
 mod sensor;

@@ -61,13 +61,7 @@ impl Patch {
 impl Lighting<'_> {
     /// The patch of a tile; it is not smooth when it is not of that kind, or when a shadow reaches it.
     #[inline(always)]
-    pub(super) fn patch(
-        &self,
-        column: usize,
-        band: usize,
-        margin: usize,
-        reached: bool,
-    ) -> Patch {
+    pub(super) fn patch(&self, column: usize, band: usize, margin: usize, reached: bool) -> Patch {
         let r = self.rendering;
         let index = r.tiles[band * r.intrinsics.width.div_ceil(TILE) + column].face;
         if index == MIXED || !self.is_one_face(index, column, band, margin) {
@@ -120,32 +114,26 @@ impl Lighting<'_> {
         let r = self.rendering;
         let (width, height) = (r.intrinsics.width, r.intrinsics.height);
         let (columns, bands) = (width.div_ceil(TILE), height.div_ceil(BAND));
-        // Most often the tiles around are known to show nothing else.
-        let mut others = 0;
-        for band in band.saturating_sub(1)..(band + 2).min(bands) {
-            for column in column.saturating_sub(1)..(column + 2).min(columns) {
-                others |= r.tiles[band * columns + column].face ^ index;
-            }
-        }
-        if others == 0 {
-            return true;
-        }
         let (left, right) = (column * TILE, (column + 1) * TILE);
         let (top, bottom) = (band * BAND, (band + 1) * BAND);
-        let (from, to) = (left.saturating_sub(margin), (right + margin).min(width));
-        let mut others = 0;
-        for v in top.saturating_sub(margin)..(bottom + margin).min(height) {
-            let row = &r.surface[v * width..(v + 1) * width];
-            if (top..bottom).contains(&v) {
-                for surface in row[from..left].iter().chain(&row[right..to]) {
-                    others |= surface ^ index;
+        // Most often the tiles around are known to show nothing else.
+        for b in band.saturating_sub(1)..(band + 2).min(bands) {
+            for c in column.saturating_sub(1)..(column + 2).min(columns) {
+                if r.tiles[b * columns + c].face == index {
+                    continue;
                 }
-            } else {
-                for surface in &row[from..to] {
-                    others |= surface ^ index;
+                let from = (c * TILE).max(left.saturating_sub(margin));
+                let to = ((c + 1) * TILE).min(right + margin).min(width);
+                let first = (b * BAND).max(top.saturating_sub(margin));
+                let end = ((b + 1) * BAND).min(bottom + margin).min(height);
+                for v in first..end {
+                    let row = &r.surface[v * width + from..v * width + to];
+                    if row.iter().any(|surface| *surface != index) {
+                        return false;
+                    }
                 }
             }
         }
-        others == 0
+        true
     }
 }

@@ -5,7 +5,7 @@ use depal_frames::Vector;
 use super::lamp::{Hit, pack};
 use super::{Lighting, Patch};
 use crate::raster::{EMPTY, TILE};
-use crate::row::{chunk, chunk_or};
+use crate::row::{choose, chunk, chunk_or, mask};
 use crate::view::Face;
 
 /// A tile's part of a row of lit pixels.
@@ -43,7 +43,8 @@ impl Lighting<'_> {
         let yy = y * y + 1.0;
         let (mut k, mut c1, mut lamps) = ([0.0; TILE], [0.0; TILE], [EMPTY; TILE]);
         let mut there = self.surface(surface[0]);
-        let mut left = 0_u32;
+        // Every lamp once.
+        let (mut distinct, mut count) = ([there.lamp; TILE], usize::from(there.lamp != EMPTY));
         let mut others = 0;
         for n in 0..TILE {
             others |= surface[n] ^ surface[0];
@@ -52,27 +53,28 @@ impl Lighting<'_> {
         if one {
             (k, c1) = ([there.before.0; TILE], [there.before.1; TILE]);
             lamps = [there.lamp; TILE];
-            left = if there.lamp == EMPTY { 0 } else { 0xffff };
         }
         for n in 0..if one { 0 } else { TILE } {
             if n > 0 && surface[n] != surface[n - 1] {
                 there = self.surface(surface[n]);
+                let known = there.lamp == EMPTY || distinct[..count].contains(&there.lamp);
+                if !known {
+                    distinct[count] = there.lamp;
+                    count += 1;
+                }
             }
             if there.round != Face::FLAT {
                 there.before = self.before_round(there.round, w[n], x[n], y);
             }
             lamps[n] = there.lamp;
             (k[n], c1[n]) = there.before;
-            left |= u32::from(there.lamp != EMPTY) << n;
         }
         // What is hidden is dark below, whatever shines.
-        left &= !u32::from(shade);
+        let all_hidden = shade == u16::MAX;
         // Arrays of their own: of the buffers the compiler does not know that they are not the lamp's.
         let (mut depth, mut packed, mut grey) = ([0.0; TILE], [0; TILE], [0.0; TILE]);
-        while left != 0 {
-            let own = lamps[left.trailing_zeros() as usize];
+        for &own in &distinct[..if all_hidden { 0 } else { count }] {
             let lamp = self.lamps[own as usize];
-            let mut mine = 0;
             for n in 0..TILE {
                 let (w, x, k, c1) = (w[n], x[n], k[n], c1[n]);
                 let mut lit = lamp.shine(Hit { w, x, yy, k, c1 });
@@ -82,10 +84,6 @@ impl Lighting<'_> {
                 packed[n] = if same { word } else { packed[n] };
                 grey[n] = if same { lit.grey } else { grey[n] };
             }
-            for n in 0..TILE {
-                mine |= u32::from(lamps[n] == own) << n;
-            }
-            left &= !mine;
             if lamp.gloss > 0.0 {
                 for n in (0..TILE).filter(|n| lamps[*n] == own) {
                     let (w, x, k, c1) = (w[n], x[n], k[n], c1[n]);
@@ -99,19 +97,19 @@ impl Lighting<'_> {
             }
         }
         if shade != 0 {
-            let mut ambient = [0.0; TILE];
-            let mut last = (EMPTY, 0.0);
-            for n in 0..TILE {
-                if lamps[n] != last.0 {
-                    let lamp = self.lamps.get(lamps[n] as usize);
-                    last = (lamps[n], lamp.map_or(0.0, |lamp| lamp.ambient_grey));
+            let (mut ambient, mut hidden) = ([0_u32; TILE], [0; TILE]);
+            for own in &distinct[..count] {
+                let level = self.lamps[*own as usize].ambient_grey.to_bits();
+                for n in 0..TILE {
+                    ambient[n] |= level & mask(lamps[n] == *own);
                 }
-                ambient[n] = last.1;
             }
             for n in 0..TILE {
-                let hidden = u32::from(shade) & (1 << n) != 0;
-                depth[n] = if hidden { 0.0 } else { depth[n] };
-                grey[n] = if hidden { ambient[n] } else { grey[n] };
+                hidden[n] = mask(u32::from(shade) & (1 << n) != 0);
+            }
+            for n in 0..TILE {
+                depth[n] = f32::from_bits(depth[n].to_bits() & !hidden[n]);
+                grey[n] = f32::from_bits(choose(hidden[n], ambient[n], grey[n].to_bits()));
             }
         }
         (*out.depth, *out.packed, *out.grey) = (depth, packed, grey);

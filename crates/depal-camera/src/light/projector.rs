@@ -208,15 +208,17 @@ impl<'a> Projector<'a> {
             bits[k] = u32::from(hides) << k;
         }
         let mut hidden = bits.iter().fold(0, |all, bit| all | bit) as u16;
-        let mut left = hidden;
+        let (mut left, mut last) = (hidden, (EMPTY, EMPTY, false));
         while left != 0 {
             let k = left.trailing_zeros() as usize;
             left &= left - 1;
-            let before = target.surface[strip.start + places[k] as usize] as usize;
-            let own = r.surface[at + k] as usize;
-            if self.view.faces[before].solid == r.view.faces[own].solid {
-                hidden &= !(1 << k);
+            let before = target.surface[strip.start + places[k] as usize];
+            let own = r.surface[at + k];
+            if (before, own) != (last.0, last.1) {
+                let solid = self.view.faces[before as usize].solid;
+                last = (before, own, solid == r.view.faces[own as usize].solid);
             }
+            hidden &= !(u16::from(last.2) << k);
         }
         hidden
     }
