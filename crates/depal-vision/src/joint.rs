@@ -11,8 +11,9 @@ use crate::{
     arrange::touches,
     gate::DepthImage,
     inset::{InsetSums, Insets},
-    patch::{Patch, pixel_pitch},
+    patch::{BLOCK, Patch, pixel_pitch},
     plane::{Plane, PlaneFrame},
+    relief::Relief,
     search::{Candidate, extents, sides_with_edges},
     sides::{Fitting, SIDE_PIXELS, fit_rectangle},
     verify::LEAST_SEEN,
@@ -24,8 +25,6 @@ const PAIR_SIGMA: f64 = 0.000_2;
 const REACH: i32 = 3;
 /// What planes are mistaken by near their ends, metres.
 const PLANE_ERROR: f64 = 0.000_05;
-/// Pixels along a seam whose noise is one.
-const CORRELATED: f64 = 4.0;
 /// No carton is moved farther than this, pixels.
 const FARTHEST: f64 = 1.5;
 
@@ -150,8 +149,10 @@ pub fn place_together(
     let mut seen: Vec<Seen> = (0..members.len())
         .flat_map(|n| observe_sides(image, settings, patch, &members, n))
         .collect();
+    // As if it were white: of a mean over many pixels, which is what a seam is taken from.
+    let noise = Relief::new(patch).noise(1) * (BLOCK * BLOCK) as f64;
     for pair in &pairs {
-        observe_seam(image, settings, &members, pair, &mut seen);
+        observe_seam(image, settings, &members, pair, noise, &mut seen);
     }
     let middles = solve(&members, &pairs, &seen);
     let most = FARTHEST * patch.pitch;
@@ -214,16 +215,16 @@ fn observe_sides(
 
 /// The place along each line across a seam where one plane gives way to the other: how many of its pixels lie on
 /// the first tells it, and the distance of each pixel from the second, in parts of that between the planes, counts
-/// them. Lines count by the square of that distance. What is seen there is the edge of the higher one.
+/// them. Lines count by the square of that distance. What is seen there is the edge of the higher one. `noise`:
+/// variance of a pixel's depth, square metres.
 fn observe_seam(
     image: &DepthImage,
     settings: &VisionSettings,
     members: &[Member],
     pair: &Pair,
+    noise: f64,
     seen: &mut Vec<Seen>,
 ) {
-    /// Lines are so many pixels apart.
-    const STRIDE: f64 = 2.0;
     /// Away from the corners, metres.
     const MARGIN: f64 = 0.008;
     let (a, b) = (&members[pair.low], &members[pair.high]);
@@ -232,7 +233,7 @@ fn observe_seam(
     let pitch = pixel_pitch(&a.frame, k);
     let low = (a.top[across] - a.half[across]).max(b.top[across] - b.half[across]) + MARGIN;
     let high = (a.top[across] + a.half[across]).min(b.top[across] + b.half[across]) - MARGIN;
-    let lines = ((high - low) / (STRIDE * pitch)).floor();
+    let lines = ((high - low) / pitch).floor();
     if lines < 8.0 {
         return;
     }
@@ -304,13 +305,12 @@ fn observe_seam(
         counts[upper] += 1.0;
         places[upper] += weight * (first - step / 2.0) + step * apart * sum;
     }
-    let noise = tolerance / 6.0;
     let shifts = [0, 1].map(|n| {
         let member = [a, b][n];
         let sign = [1.0, -1.0][n];
         let place = places[n] / weights[n].max(1e-12);
         let shift = place - sign * member.half[axis];
-        let sides = noise * noise * pixels * CORRELATED
+        let sides = noise * pixels
             + PLANE_ERROR * PLANE_ERROR * counts[n] * pixels * pixels / 4.0;
         let variance = pitch * pitch * (sides / weights[n].max(1e-12) + 0.04);
         (shift, variance)
