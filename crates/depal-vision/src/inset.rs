@@ -37,6 +37,11 @@ impl Insets {
         dark: INSET_PIXELS,
     };
 
+    /// True when the two differ by more than a side is known: less comes of how sides lie to the pixel rows.
+    pub fn differ(&self) -> bool {
+        (self.lit - self.dark).abs() > SIDE_PIXELS
+    }
+
     /// Of a side that is lit on a share of its length, pixels.
     pub fn of(&self, lit: f64) -> f64 {
         self.lit * lit + self.dark * (1.0 - lit)
@@ -114,6 +119,9 @@ pub fn place_by_insets(boxes: &mut [DetectedBox], image: &DepthImage, settings: 
             sums.add(lit, 2.0 - lit, pair.short, weight);
         }
         insets = sums.solve();
+    }
+    if !insets.differ() {
+        return;
     }
     for pair in &seen {
         let shift = (insets.of(pair.lit[1]) - insets.of(pair.lit[0])) / 2.0 * pair.pitch;

@@ -146,15 +146,20 @@ pub fn place_together(
             }
         }
     }
-    let mut seen: Vec<Seen> = (0..members.len())
+    let sides: Vec<Seen> = (0..members.len())
         .flat_map(|n| observe_sides(image, settings, patch, &members, n))
         .collect();
+    let mut seen = join_sides(sides, &members, &pairs);
     // As if it were white: of a mean over many pixels, which is what a seam is taken from.
     let noise = Relief::new(patch).noise(1) * (BLOCK * BLOCK) as f64;
     for pair in &pairs {
         observe_seam(image, settings, &members, pair, noise, &mut seen);
     }
-    let middles = solve(&members, &pairs, &seen);
+    let (mut middles, insets) = solve(&members, &pairs, &seen, true);
+    // Where the image does not tell the two apart, they are the usual ones.
+    if !insets.differ() {
+        (middles, _) = solve(&members, &pairs, &seen, false);
+    }
     let most = FARTHEST * patch.pitch;
     for ((member, middle), (_, found)) in members.iter().zip(middles).zip(placed) {
         let shift = [0, 1].map(|k| middle[k] + member.lean[k] - member.top[k]);
@@ -210,6 +215,49 @@ fn observe_sides(
             });
         }
     }
+    seen
+}
+
+/// Two sides that face each other tell where the middle of their gap is, whatever is lost at both: a gap of less than
+/// a pixel takes a whole pixel where it is seen, and says nothing of insets. The others stay as they are.
+fn join_sides(sides: Vec<Seen>, members: &[Member], pairs: &[Pair]) -> Vec<Seen> {
+    let of = |member: usize, axis: usize, sign: f64| {
+        sides
+            .iter()
+            .position(|s| s.member == member && s.axis == axis && s.sign * sign > 0.0)
+    };
+    let mut faces = vec![false; sides.len()];
+    let mut seams = Vec::new();
+    for pair in pairs {
+        let (axis, across) = (pair.axis, 1 - pair.axis);
+        let found = [of(pair.low, axis, 1.0), of(pair.high, axis, -1.0)];
+        for side in found.into_iter().flatten() {
+            faces[side] = true;
+        }
+        let [Some(low), Some(high)] = found.map(|side| side.map(|n| &sides[n])) else {
+            continue;
+        };
+        let [a, b] = [&members[pair.low], &members[pair.high]];
+        let middle = f64::midpoint(low.place + a.half[axis], high.place - b.half[axis]);
+        let end = |m: &Member, sign: f64| m.top[across] + sign * m.half[across];
+        let common = end(a, 1.0).min(end(b, 1.0)) - end(a, -1.0).max(end(b, -1.0));
+        for (side, member) in [(low, a), (high, b)] {
+            seams.push(Seen {
+                member: side.member,
+                axis,
+                sign: side.sign,
+                place: middle - side.sign * member.half[axis],
+                // The same lost pixels make both sides.
+                weight: low.weight.min(high.weight)
+                    * (common / (2.0 * member.half[across])).clamp(0.0, 1.0),
+                what: Edge::Seam,
+            });
+        }
+    }
+    let mut faces = faces.iter();
+    let mut seen = sides;
+    seen.retain(|_| faces.next() == Some(&false));
+    seen.extend(seams);
     seen
 }
 
@@ -310,8 +358,7 @@ fn observe_seam(
         let sign = [1.0, -1.0][n];
         let place = places[n] / weights[n].max(1e-12);
         let shift = place - sign * member.half[axis];
-        let sides = noise * pixels
-            + PLANE_ERROR * PLANE_ERROR * counts[n] * pixels * pixels / 4.0;
+        let sides = noise * pixels + PLANE_ERROR * PLANE_ERROR * counts[n] * pixels * pixels / 4.0;
         let variance = pitch * pitch * (sides / weights[n].max(1e-12) + 0.04);
         (shift, variance)
     });
@@ -331,8 +378,8 @@ fn observe_seam(
 }
 
 /// Least squares over the middles of all cartons, their common gap, and the insets of their sides: seams and rows of
-/// known lengths tell those, too.
-fn solve(members: &[Member], pairs: &[Pair], seen: &[Seen]) -> Vec<[f64; 2]> {
+/// known lengths tell those, too. The insets stay the usual ones unless they are `open`.
+fn solve(members: &[Member], pairs: &[Pair], seen: &[Seen], open: bool) -> (Vec<[f64; 2]>, Insets) {
     const ROUNDS: usize = 200;
     /// Rounds after which pairs are weighed anew.
     const AGAIN: usize = 40;
@@ -390,7 +437,9 @@ fn solve(members: &[Member], pairs: &[Pair], seen: &[Seen]) -> Vec<[f64; 2]> {
                 torn.add(lit, 1.0 - lit, pixels, one.weight * pitch * pitch);
             }
         }
-        insets = torn.solve();
+        if open {
+            insets = torn.solve();
+        }
         if (round + 1) % AGAIN == 0 {
             for (pair, weight) in pairs.iter().zip(&mut weights) {
                 let off = (beyond(pair) - gap) / (LOOSE * PAIR_SIGMA);
@@ -398,5 +447,5 @@ fn solve(members: &[Member], pairs: &[Pair], seen: &[Seen]) -> Vec<[f64; 2]> {
             }
         }
     }
-    middles
+    (middles, insets)
 }

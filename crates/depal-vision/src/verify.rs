@@ -234,8 +234,7 @@ pub fn sharp_tolerance(image: &DepthImage, frame: &PlaneFrame, settings: &Vision
             .map(|i| ((i as f64 + 0.5) / SAMPLES as f64 - 0.5) * 2.0 * HALF);
         let (u, v) = image.intrinsics.project(&frame.point(at[0], at[1]));
         let (u, v) = (u.round(), v.round());
-        let inside =
-            u >= 0.0 && v >= 0.0 && u < image.width as f64 && v < image.height as f64;
+        let inside = u >= 0.0 && v >= 0.0 && u < image.width as f64 && v < image.height as f64;
         if !inside {
             continue;
         }
