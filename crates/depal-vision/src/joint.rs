@@ -16,7 +16,7 @@ use crate::{
     relief::Relief,
     search::{Candidate, extents, sides_with_edges},
     sides::{Fitting, SIDE_PIXELS, fit_rectangle},
-    verify::LEAST_SEEN,
+    verify::{LEAST_SEEN, LEAST_SHARP, SHARP},
 };
 
 /// How evenly touching cartons stand, metres.
@@ -288,6 +288,8 @@ fn observe_seam(
     let (outward, tangent) = (a.direction(axis), a.direction(across));
     let (width, height) = (image.width as i32, image.height as i32);
     let tolerance = settings.plane_tolerance;
+    // A wall inside the gap, or a mixed pixel, may lie closer to a plane than its tolerance.
+    let sharp = tolerance.min((SHARP * noise.sqrt()).max(LEAST_SHARP));
     let pixels = f64::from(2 * REACH + 1);
     // For the lines where the first and where the second is the higher one.
     let mut weights = [0.0; 2];
@@ -336,7 +338,7 @@ fn observe_seam(
             }
             let z = f64::from(image.depth[v as usize * image.width + u as usize]);
             let [on_a, on_b] = [expected(s, 0), expected(s, 1)];
-            let known = z > 0.0 && (z - on_a).abs().min((z - on_b).abs()) <= tolerance;
+            let known = z > 0.0 && (z - on_a).abs().min((z - on_b).abs()) <= sharp;
             // What is lost may belong to either.
             sum += if known { on_b - z } else { apart / 2.0 };
         }

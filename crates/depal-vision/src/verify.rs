@@ -28,9 +28,9 @@ const LEAST_TRUE_EDGES: usize = 2;
 const MOST_HIDDEN: f64 = 0.2;
 
 /// A point lies on a side's plane within so many root mean squares of the plane's own residuals,
-const SHARP: f64 = 4.0;
+pub const SHARP: f64 = 4.0;
 /// and at least within this, metres.
-const LEAST_SHARP: f64 = 0.001;
+pub const LEAST_SHARP: f64 = 0.001;
 
 /// What is demanded of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
