@@ -145,7 +145,7 @@ fn opposite_sides(
             least_seen: LEAST_SEEN,
             turn_seen: 2.0,
             least_turning: 4,
-            passes: &[(3.5, 1.0)],
+            passes: &[(3.5, 3.0)],
             sides: [true; 4],
         },
     );

@@ -273,6 +273,8 @@ fn observe_seam(
     noise: f64,
     seen: &mut Vec<Seen>,
 ) {
+    /// Lines are so many pixels apart.
+    const STRIDE: f64 = 2.0;
     /// Away from the corners, metres.
     const MARGIN: f64 = 0.008;
     let (a, b) = (&members[pair.low], &members[pair.high]);
@@ -281,7 +283,7 @@ fn observe_seam(
     let pitch = pixel_pitch(&a.frame, k);
     let low = (a.top[across] - a.half[across]).max(b.top[across] - b.half[across]) + MARGIN;
     let high = (a.top[across] + a.half[across]).min(b.top[across] + b.half[across]) - MARGIN;
-    let lines = ((high - low) / pitch).floor();
+    let lines = ((high - low) / (STRIDE * pitch)).floor();
     if lines < 8.0 {
         return;
     }
