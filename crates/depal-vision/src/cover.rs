@@ -63,7 +63,7 @@ pub fn cover(patch: &Patch, sizes: &[BoxSize], fixed: &[Candidate]) -> Option<Co
             .iter()
             .filter(|(_, reading)| {
                 let [ours, theirs] = apart(&search.relief, &search.readings[0].1, reading);
-                !ours.rules_out(&theirs, least.mean())
+                !ours.rules_out(&theirs, &least)
             })
             .map(|(_, reading)| reading.clone())
             .collect(),
@@ -139,12 +139,13 @@ impl Misfit {
         self.squares - noise * self.blocks as f64
     }
 
-    /// True when another reading of the same surface is out of the question beside this one; `mean`: the mean
-    /// square of a block by noise, square metres.
-    fn rules_out(&self, other: &Self, mean: f64) -> bool {
+    /// True when another reading of the same surface is out of the question beside this one. `whole`: all of the
+    /// best reading; the larger it is, the more places there are where a wrong one may fit by chance.
+    fn rules_out(&self, other: &Self, whole: &Self) -> bool {
+        let mean = whole.mean();
         let fewer = self.cartons as f64 - other.cartons as f64;
         let limit =
-            self.squares * WORSE_SHARE + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean;
+            whole.squares * WORSE_SHARE + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean;
         other.beyond(mean) - self.beyond(mean) > limit
     }
 }
