@@ -98,6 +98,7 @@ pub fn arrange(
             }
         }
     }
+    let merit = |r: &Vec<Candidate>| merit(r, fixed, patch.pitch);
     readings.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
     let best = readings.first()?.clone();
     unique |= seams_seen(&best, patch.pitch) >= MOST_SEAMS;
@@ -154,13 +155,20 @@ fn lags(patch: &Patch) -> &'static [usize] {
     if patch.is_smeared() { &[1, 2, 4] } else { &[1] }
 }
 
-/// Edge seen along the sides of the boxes, in sides per box. Counted by length: what is seen of the outline is then
-/// the same for all readings of it, and only seams between boxes make one better.
-fn merit(boxes: &[Candidate]) -> f64 {
+/// Edge seen along the sides of the boxes, in sides per box. Counted by length, and the outline as all seen: it is
+/// then the same for all readings, whether their outer rows lie a cell off or not, and only seams between boxes make
+/// one better.
+fn merit(boxes: &[Candidate], fixed: &[Candidate], pitch: f64) -> f64 {
     let (mut seen, mut whole) = (0.0, 0.0);
     for b in boxes {
+        let meets = |side: usize| {
+            let all = boxes.iter().chain(fixed);
+            all.filter(|o| o.first != b.first)
+                .any(|o| touches(b, o, side, pitch))
+        };
         for (side, share) in b.sides.iter().enumerate() {
             let length = b.cells[1 - side / 2] as f64;
+            let share = if meets(side) { *share } else { 1.0 };
             seen += share * length;
             whole += length;
         }
@@ -168,7 +176,8 @@ fn merit(boxes: &[Candidate]) -> f64 {
     4.0 * seen / f64::max(whole, 1.0)
 }
 
-fn alike(a: &Candidate, b: &Candidate) -> bool {
+/// The same carton, give or take what rows of boxes drift by.
+pub fn alike(a: &Candidate, b: &Candidate) -> bool {
     a.label == b.label
         && a.turned == b.turned
         && (0..2).all(|k| a.first[k].abs_diff(b.first[k]) <= 6)
