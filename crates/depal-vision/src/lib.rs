@@ -65,6 +65,7 @@
 )]
 
 mod arrange;
+mod average;
 mod blank;
 pub mod calibration;
 mod class;
