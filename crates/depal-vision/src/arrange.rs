@@ -68,7 +68,7 @@ pub fn arrange(
         return None;
     }
     let as_one = relief.misfit(readings.first()?);
-    let level = as_one.squares < UNLEVEL * least.mean() * as_one.blocks as f64;
+    let level = patch.averaged || as_one.squares < UNLEVEL * least.mean() * as_one.blocks as f64;
     let lead = if level {
         CLEAR_LEAD_WHEN_LEVEL
     } else {
@@ -123,7 +123,11 @@ pub fn arrange(
     // size stands proven beside them, or there are many of them and the gaps that are seen are so
     // narrow that others may well be invisible.
     let islands = islands(&best, patch.pitch);
-    let narrow = widest_gap(patch, &best) < WIDE_GAP.max(WIDE_GAP_CELLS * patch.pitch);
+    // With an averaged picture depth shows few seams, but intensity shows those of one layer alike.
+    let alike_seen = !(patch.averaged && image.intensity.len() == image.depth.len())
+        || islands.iter().all(|i| *i == islands[0]);
+    let narrow =
+        alike_seen && widest_gap(patch, &best) < WIDE_GAP.max(WIDE_GAP_CELLS * patch.pitch);
     let believable = |b: usize| {
         let together = islands.iter().filter(|&&i| i == islands[b]).count();
         together == 1
@@ -151,7 +155,7 @@ pub fn arrange(
 
 /// Distances in blocks over which noise is measured: that of a camera that smears goes on over many pixels.
 fn lags(patch: &Patch) -> &'static [usize] {
-    if patch.is_smeared() { &[1, 2, 4] } else { &[1] }
+    if patch.lump > 1.0 { &[1, 2, 4] } else { &[1] }
 }
 
 /// Edge seen along the sides of the boxes, in sides per box. Counted by length: what is seen of the outline is then

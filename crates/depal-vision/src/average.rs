@@ -1,6 +1,9 @@
 //! Before stage 1: cameras whose depth is noisier than the steps that tell cartons apart. A carton's top is much
 //! larger than what their noise hangs together over: depths are averaged along the surface, never across a step.
 
+/// What lies so far apart is never averaged: half of a low carton's height, metres.
+const MOST: f32 = 0.050;
+
 /// Pixels of a row of which the window holds are summed up so far.
 struct Sums {
     depth: Vec<f32>,
@@ -20,13 +23,17 @@ impl Sums {
         self.count.fill(0.0);
     }
 
-    /// Takes in those of `others` that lie within `same` of their pixel; 0 is no measurement.
+    /// Takes in those of `others` that lie within `same` (at one metre) of their pixel; 0 is no measurement.
     #[inline(always)]
     fn add(&mut self, own: &[f32], others: &[f32], from: usize, same: f32) {
         let to = from + others.len();
-        let sums = self.depth[from..to].iter_mut().zip(&mut self.count[from..to]);
+        let sums = self.depth[from..to]
+            .iter_mut()
+            .zip(&mut self.count[from..to]);
         for ((sum, count), (&z, &other)) in sums.zip(own[from..to].iter().zip(others)) {
-            let takes = (other > 0.0) & ((other - z).abs() <= same);
+            let within = same * z * z;
+            let within = if within < MOST { within } else { MOST };
+            let takes = (other > 0.0) & ((other - z).abs() <= within);
             let weight = f32::from(u8::from(takes));
             *sum += weight * other;
             *count += weight;
@@ -35,7 +42,11 @@ impl Sums {
 
     #[inline(always)]
     fn mean(&self, own: &[f32], out: &mut [f32]) {
-        for ((out, &z), (&sum, &count)) in out.iter_mut().zip(own).zip(self.depth.iter().zip(&self.count)) {
+        for ((out, &z), (&sum, &count)) in out
+            .iter_mut()
+            .zip(own)
+            .zip(self.depth.iter().zip(&self.count))
+        {
             *out = if z > 0.0 { sum / count.max(1.0) } else { 0.0 };
         }
     }
@@ -63,7 +74,10 @@ impl pulp::WithSimd for AverageJob<'_> {
         let height = depth.len() / width;
         let mut sums = Sums::new(width);
         let mut across = vec![0.0; depth.len()];
-        for (row, out) in depth.chunks_exact(width).zip(across.chunks_exact_mut(width)) {
+        for (row, out) in depth
+            .chunks_exact(width)
+            .zip(across.chunks_exact_mut(width))
+        {
             sums.clear();
             for k in 0..=reach.min(width - 1) {
                 sums.add(row, &row[k..], 0, same);
@@ -86,8 +100,9 @@ impl pulp::WithSimd for AverageJob<'_> {
     }
 }
 
-/// Means of the depths in squares of `2 reach + 1` pixels, of those that differ by no more than `same` metres from
-/// the one in the middle: first along the rows, then down the columns. What is not measured stays so.
+/// Means of the depths in squares of `2 reach + 1` pixels, of those that differ by no more than `same` metres at one
+/// metre from the one in the middle, farther away by more, as the noise of stereo does, with the square of depth:
+/// first along the rows, then down the columns. What is not measured stays so.
 pub fn averaged(depth: &[f32], width: usize, reach: usize, same: f32) -> Vec<f32> {
     if width == 0 || depth.len() < width {
         return depth.to_vec();

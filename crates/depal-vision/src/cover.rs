@@ -60,7 +60,7 @@ pub fn cover(patch: &Patch, sizes: &[BoxSize], fixed: &[Candidate]) -> Option<Co
         readings: search
             .readings
             .into_iter()
-            .filter(|(misfit, _)| !least.rules_out(misfit))
+            .filter(|(misfit, _)| !least.rules_out(misfit, patch.lump))
             .map(|(_, reading)| reading)
             .collect(),
         relief: search.relief,
@@ -135,12 +135,13 @@ impl Misfit {
         self.squares - noise * self.blocks as f64
     }
 
-    /// True when another reading is out of the question beside this one.
-    fn rules_out(&self, other: &Self) -> bool {
+    /// True when another reading is out of the question beside this one. `lump`: blocks over which noise hangs
+    /// together.
+    fn rules_out(&self, other: &Self, lump: f64) -> bool {
         let mean = self.mean();
         let fewer = self.cartons as f64 - other.cartons as f64;
-        let limit =
-            self.squares * WORSE_SHARE + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean;
+        let limit = self.squares * WORSE_SHARE
+            + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean * lump;
         other.beyond(mean) - self.beyond(mean) > limit
     }
 }
@@ -223,7 +224,7 @@ impl Search<'_> {
             };
             excess
                 > least.squares * WORSE_SHARE
-                    + (WORSE_BLOCKS + HOPELESS_BLOCKS + fewer) * least.mean()
+                    + (WORSE_BLOCKS + HOPELESS_BLOCKS + fewer) * least.mean() * self.patch.lump
         })
     }
 

@@ -151,8 +151,14 @@ fn find_boxes(
         if open.is_empty() {
             continue;
         }
+        let proven: Vec<u32> = found
+            .iter()
+            .filter(|b| b.proven_sides >= 3)
+            .map(|b| b.label)
+            .collect();
+        let rejected = &mut detection.rejected;
         if let [alone] = group[..] {
-            let more = surfaces[alone].cover(&mask, image, settings, &[], &mut detection.rejected);
+            let more = surfaces[alone].cover(&mask, image, settings, &[], &proven, rejected);
             found.extend(more);
             continue;
         }
@@ -169,8 +175,7 @@ fn find_boxes(
                     .filter(|b| surface.is_level_with(b, settings))
                     .cloned()
                     .collect();
-                let rejected = &mut detection.rejected;
-                found.extend(surface.cover(&mask, image, settings, &beside, rejected));
+                found.extend(surface.cover(&mask, image, settings, &beside, &proven, rejected));
             }
             Err(rejected) => detection.rejected.extend(rejected),
         }

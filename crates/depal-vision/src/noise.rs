@@ -2,7 +2,7 @@
 
 use depal_frames::DepthFrame;
 
-use crate::{VisionSettings, average::averaged, smear::smear_of};
+use crate::{VisionSettings, average::averaged, gate::LEAST_SMEAR, smear::smear_of};
 
 /// Pixels looked at, about.
 const SAMPLES: usize = 20_000;
@@ -26,10 +26,8 @@ const AVERAGED_FROM: f64 = 0.010;
 const WANTED: f64 = 0.006;
 /// Half of the widest square over which they are averaged, metres: all sides of cartons are longer than twice that.
 const WIDEST: f64 = 0.030;
-/// Depths within so many deviations of each other are averaged,
+/// Depths within so many deviations of each other are averaged.
 const WITHIN_SIGMAS: f64 = 5.0;
-/// at least within this, and at most: cartons are higher, metres.
-const WITHIN: (f64, f64) = (0.010, 0.060);
 
 /// Standard deviation of depth at a distance of `lag` pixels, metres; `None` without enough pixels.
 fn deviation(depth: &[f32], width: usize, lag: usize) -> Option<f64> {
@@ -81,7 +79,7 @@ impl VisionSettings {
         if let Some(raw) = sigma.filter(|s| SIGMAS * s > AVERAGED_FROM)
             && let Some(z) = middle_depth(&frame.depth)
         {
-            let within = (WITHIN_SIGMAS * raw).clamp(WITHIN.0, WITHIN.1);
+            let within = WITHIN_SIGMAS * raw / (z * z);
             let most = (WIDEST * frame.intrinsics.fx / z) as usize;
             for reach in REACHES.into_iter().filter(|r| *r <= most) {
                 soft = averaged(&frame.depth, width, reach, within as f32);
@@ -94,8 +92,13 @@ impl VisionSettings {
             }
         }
         let depth = if soft.is_empty() { &frame.depth } else { &soft };
-        self.smear_px = self.smear_px.max(smear_of(depth, width));
-        if self.smear_px > 0 {
+        let at_one_metre = sigma
+            .zip(middle_depth(depth))
+            .map_or(0.0, |(s, z)| s / (z * z));
+        self.smear_px = self
+            .smear_px
+            .max(smear_of(depth, width, at_one_metre as f32));
+        if self.smear_px >= LEAST_SMEAR {
             self.size_tolerance = self.size_tolerance.max(SMEARED_SIZE);
         }
         if let Some(sigma) = sigma {

@@ -54,8 +54,8 @@ pub struct VisionSettings {
     pub smear_px: usize,
     /// Half of the square over which depths are averaged along a surface, pixels; 0 where they are good enough.
     pub average_px: usize,
-    /// Only depths that differ by no more than this are averaged: several deviations of the noise, and less than
-    /// the height of a carton.
+    /// Only depths that differ by no more than this are averaged, at a depth of one metre; it goes with the square of
+    /// depth, as stereo noise does: several of its deviations.
     pub average_within: f64,
     /// Edge of the cubes in which unexplained points are gathered as obstacles.
     pub obstacle_voxel: f64,

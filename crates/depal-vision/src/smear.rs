@@ -10,18 +10,22 @@ const LEVELS: (f32, f32) = (0.15, 0.85);
 /// Fewer steps say nothing.
 const LEAST_STEPS: usize = 100;
 
-/// Over how many pixels the steps of a frame are smeared; 0 where they are sharp.
-pub fn smear_of(depth: &[f32], width: usize) -> usize {
+/// Steps are higher than so many deviations of the noise.
+const LEAST_SIGMAS: f32 = 12.0;
+
+/// Over how many pixels the steps of a frame are smeared; 0 where they are sharp. `noise`: deviation at a depth of one
+/// metre, metres; it goes with the square of depth.
+pub fn smear_of(depth: &[f32], width: usize, noise: f32) -> usize {
     let height = depth.len() / width.max(1);
     let mut widths: Vec<usize> = Vec::new();
     for row in depth.chunks_exact(width.max(1)).step_by(4) {
-        widths_along(row, &mut widths);
+        widths_along(row, noise, &mut widths);
     }
     let mut column = Vec::with_capacity(height);
     for u in (0..width).step_by(4) {
         column.clear();
         column.extend((0..height).map(|v| depth[v * width + u]));
-        widths_along(&column, &mut widths);
+        widths_along(&column, noise, &mut widths);
     }
     if widths.len() < LEAST_STEPS {
         return 0;
@@ -32,20 +36,34 @@ pub fn smear_of(depth: &[f32], width: usize) -> usize {
 }
 
 /// Over how many pixels each step along a line goes from one of the levels to the other.
-fn widths_along(row: &[f32], widths: &mut Vec<usize>) {
+fn widths_along(row: &[f32], noise: f32, widths: &mut Vec<usize>) {
     let mut u = REACH + 4;
     while u + REACH + 4 < row.len() {
         let level = |at: usize, beside: usize| {
             let (a, b) = (row[at], row[beside]);
             (a > 0.0 && b > 0.0 && (a - b).abs() < 0.2 * LEAST_STEP).then_some(a)
         };
+        let least = |z: f32| LEAST_STEP.max(LEAST_SIGMAS * noise * z * z);
         let ends = level(u - REACH, u - REACH - 4).zip(level(u + REACH, u + REACH + 4));
-        if let Some((a, b)) = ends.filter(|(a, b)| (a - b).abs() > LEAST_STEP) {
-            let between = row[u - REACH..=u + REACH].iter().filter(|&&z| {
-                let share = (z - a) / (b - a);
-                z > 0.0 && share > LEVELS.0 && share < LEVELS.1
-            });
-            widths.push(between.count());
+        if let Some((a, b)) = ends.filter(|(a, b)| (a - b).abs() > least(a.max(*b))) {
+            // What is lost beside the step must not make it narrower.
+            let line = &row[u - REACH..=u + REACH];
+            let share = |z: f32| (z - a) / (b - a);
+            let past = |level: f32| line.iter().position(|&z| z > 0.0 && share(z) > level);
+            let half = past(0.5).unwrap_or(0);
+            let before = line[..half]
+                .iter()
+                .rposition(|&z| z > 0.0 && share(z) < LEVELS.0);
+            let after = line[half..]
+                .iter()
+                .position(|&z| z > 0.0 && share(z) > LEVELS.1);
+            if let Some((before, after)) = before.zip(after.map(|n| n + half)) {
+                let inner = &line[before + 1..after];
+                let lost = inner.iter().filter(|z| **z <= 0.0).count();
+                if 2 * lost <= inner.len() {
+                    widths.push(inner.len());
+                }
+            }
             u += 2 * REACH;
         }
         u += 4;

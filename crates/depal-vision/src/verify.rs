@@ -188,7 +188,7 @@ fn check(
     if seen.share(Class::Deep) > 0.01 || seen.share(Class::On) < settings.min_visible {
         return Err(RejectReason::NoKnownSize);
     }
-    if seen.is_covered(image, &fit.frame, extents) {
+    if seen.is_covered(image, &fit.frame, extents, settings.average_px) {
         return Err(RejectReason::Covered);
     }
     let tilt = (-fit
@@ -259,8 +259,16 @@ impl Look {
 
     /// True when points in front of the plane stand inside the rectangle once they are put down on it
     /// along the normal. A taller neighbour in the line of sight stands outside and only hides.
-    fn is_covered(&self, image: &DepthImage, frame: &PlaneFrame, extents: [f64; 2]) -> bool {
+    /// Where depths were averaged over `average_px`, noise stands out in lumps of that size: one is chance.
+    fn is_covered(
+        &self,
+        image: &DepthImage,
+        frame: &PlaneFrame,
+        extents: [f64; 2],
+        average_px: usize,
+    ) -> bool {
         const MARGIN: f64 = 0.010;
+        let lump = ((2 * average_px + 1) as f64 / SPACING).powi(2) as usize;
         let over = self
             .near
             .iter()
@@ -270,9 +278,12 @@ impl Look {
                     && from_middle.dot(&frame.y).abs() < extents[1] / 2.0 - MARGIN
             })
             .count();
-        over * 400 > self.samples()
+        over * 400 > self.samples() && (average_px == 0 || over > lump)
     }
 }
+
+/// Distance of the samples, pixels.
+const SPACING: f64 = 4.0;
 
 /// Samples the inside of a rectangle, `margin` metres away from its sides.
 fn look(
@@ -282,8 +293,6 @@ fn look(
     tolerance: f64,
     margin: f64,
 ) -> Look {
-    /// Distance of the samples, pixels.
-    const SPACING: f64 = 4.0;
     let k = &image.intrinsics;
     let spacing = (SPACING * pixel_pitch(frame, k)).max(1e-4);
     let inner = extents.map(|e| e - 2.0 * margin);

@@ -130,6 +130,30 @@ fn score_of(seed: u64, with_intensity: bool) -> (Score, String) {
         .filter(|r| r.area > 0.02)
         .map(|r| format!("{:?} {:.3}", r.reason, r.area))
         .collect();
+    for b in &detection.boxes {
+        let q = s.at * b.camera_from_box;
+        let p = q.translation.vector;
+        let near = s.cartons.iter().min_by(|c, d| {
+            let off = |c: &Carton| (c.x - p.x).hypot(c.y - p.y) + (c.top - p.z).abs();
+            off(c).total_cmp(&off(d))
+        });
+        if let Some(c) = near {
+            let own = c.rotation().inverse() * (p - Vector::new(c.x, c.y, c.top));
+            if own.norm() > 0.01 {
+                let x = q.rotation * Vector::x();
+                println!(
+                    "   box off {:.0} {:.0} {:.0} mm of a carton in view {:.2}, along {:.2}, proven {} visible {:.2}",
+                    own.x * 1e3,
+                    own.y * 1e3,
+                    own.z * 1e3,
+                    share_in_view(c, &s.at, &truth),
+                    x.x.abs(),
+                    b.proven_sides,
+                    b.visible_fraction
+                );
+            }
+        }
+    }
     let line = format!(
         "{seed} {}/{} false {} xy {:.1} | {} | smear {} step {:.1} | {}",
         score.found,

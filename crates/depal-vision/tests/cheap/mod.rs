@@ -112,7 +112,10 @@ pub fn flawed(mut frame: DepthFrame, ideal: &[f32], flaws: Flaws, seed: u64) -> 
                 continue;
             }
             let (x, y) = (u as f64, v as f64);
-            let wave: f64 = waves.iter().map(|[a, b, c]| (a * x + b * y + c).sin()).sum();
+            let wave: f64 = waves
+                .iter()
+                .map(|[a, b, c]| (a * x + b * y + c).sin())
+                .sum();
             let moved = f64::from(z) + 0.5 * flaws.wave[0] * wave;
             frame.depth[i] = ((moved * 1e3).round() * 1e-3) as f32;
             if flaws.lost > 0.0 && u >= 2 && v >= 2 && u + 2 < width && v + 2 < height {
