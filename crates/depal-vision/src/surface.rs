@@ -21,37 +21,6 @@ use crate::{
     verify::{Proof, verify},
 };
 
-/// True when the surface goes on beyond an outer side of a covering: then its cartons are larger than the known ones.
-fn goes_on(
-    patch: &Patch,
-    settings: &VisionSettings,
-    arranged: &[Candidate],
-    fixed: &[Candidate],
-) -> bool {
-    /// Cells by which a placement may be off.
-    const OFF: f64 = 3.0;
-    /// Cells that are looked at.
-    const LOOK: isize = 4;
-    let off = (settings.size_tolerance / patch.pitch + OFF) as isize;
-    arranged.iter().any(|b| {
-        let [i0, j0] = b.first.map(|v| v as isize);
-        let (i1, j1) = (i0 + b.cells[0] as isize, j0 + b.cells[1] as isize);
-        (0..4).any(|side| {
-            let is_inner = arranged
-                .iter()
-                .chain(fixed)
-                .any(|o| o.first != b.first && touches(b, o, side, patch.pitch));
-            let beyond = match side {
-                0 => patch.surface(i0 - off - LOOK, j0 + LOOK, i0 - off, j1 - LOOK),
-                1 => patch.surface(i1 + off, j0 + LOOK, i1 + off + LOOK, j1 - LOOK),
-                2 => patch.surface(i0 + LOOK, j0 - off - LOOK, i1 - LOOK, j0 - off),
-                _ => patch.surface(i0 + LOOK, j1 + off, i1 - LOOK, j1 + off + LOOK),
-            };
-            !is_inner && beyond > 0.5
-        })
-    })
-}
-
 /// How far a patch reaches beyond its surface, metres.
 const MARGIN: f64 = 0.030;
 
