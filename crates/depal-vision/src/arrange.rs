@@ -123,9 +123,6 @@ pub fn arrange(
     // size stands proven beside them, or there are many of them and the gaps that are seen are so
     // narrow that others may well be invisible.
     let islands = islands(&best, patch.pitch);
-    // With an averaged picture depth shows few seams, but intensity shows those of one layer alike.
-    let alike_seen = !(patch.averaged && image.intensity.len() == image.depth.len())
-        || islands.iter().all(|i| *i == islands[0]);
     let narrow =
         alike_seen && widest_gap(patch, &best) < WIDE_GAP.max(WIDE_GAP_CELLS * patch.pitch);
     let believable = |b: usize| {

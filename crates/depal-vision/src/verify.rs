@@ -21,6 +21,9 @@ pub const LEAST_SEEN: f64 = 0.15;
 /// Least share for a side to turn an arranged box.
 pub const TURN_SEEN: f64 = 0.5;
 
+/// Share of scan lines with an edge that noise never gives.
+const PLAIN: f64 = 0.5;
+
 /// So many seen sides must not be mere shadows of something taller: the floor of a cage ends in those.
 const LEAST_TRUE_EDGES: usize = 2;
 
@@ -162,7 +165,10 @@ fn check(
         Proof::Outline => (3, LEAST_TRUE_EDGES),
         Proof::Arrangement { .. } => (0, 0),
     };
-    if misfit > allowed || proven < needed || true_edges < needed_edges {
+    // Lumps of noise left over by averaging make pieces of sides, never two plain ones.
+    let plain = fit.sides.iter().filter(|s| s.seen >= PLAIN).count();
+    let made_of_noise = settings.average_px > 0 && plain < needed_edges;
+    if misfit > allowed || proven < needed || true_edges < needed_edges || made_of_noise {
         return Err(RejectReason::NoKnownSize);
     }
 

@@ -78,17 +78,7 @@ fn score(
                 settings.smear_px
             );
             let boxes: Vec<DetectedBox> = detect(&frame, &settings).boxes;
-            let before = score.false_positives;
             score.add(at, &visible(cartons), &boxes);
-            if score.false_positives > before {
-                for b in &boxes {
-                    let p = (at * b.camera_from_box).translation.vector;
-                    println!(
-                        "  {seed} {reach}: {:.3} {:.3} {:.3}, {}",
-                        p.x, p.y, p.z, b.proven_sides
-                    );
-                }
-            }
         }
     }
     score
@@ -125,14 +115,14 @@ fn small_cartons_with_and_without_intensity() {
 
 /// Six cartons on a square, or bricks on a rectangle, that depth alone allows to be arranged in several ways.
 #[test]
-fn where_depth_allows_several_arrangements_nothing_wrong_is_said() {
+fn where_depth_allows_several_arrangements_the_right_one_is_found() {
     let size = [0.3, 0.2];
     let at = looking_down(TOP + 1.5);
     for [columns, rows] in [[2, 3], [2, 6], [3, 3], [4, 3]] {
         for with_intensity in [true, false] {
             let cartons = two_layers(size, columns, rows, columns);
             let score = score(&cartons, size, &at, with_intensity, 3030..3034);
-            most(&format!("{columns} x {rows}"), &score, 0.0);
+            most(&format!("{columns} x {rows}"), &score, 0.9);
         }
     }
 }
@@ -153,35 +143,6 @@ fn a_wrong_size_is_never_reported() {
             let size = BoxSize::from_mm([wrong[0], wrong[1], HEIGHT * 1e3]);
             let settings = VisionSettings::new(vec![size]).suited_to(&frame);
             assert_eq!(detect(&frame, &settings).boxes, [], "{wrong:?}");
-        }
-    }
-}
-
-/// Other sizes that cover just what the real ones do: only the gaps between them tell.
-#[test]
-fn a_size_that_covers_the_same_area() {
-    let at = looking_down(TOP + 1.5);
-    for (real, columns, rows, wrong) in [
-        ([0.4, 0.3], 3, 3, [300.0, 200.0]),
-        ([0.4, 0.3], 3, 3, [450.0, 400.0]),
-        ([0.4, 0.3], 3, 2, [600.0, 400.0]),
-        ([0.3, 0.2], 4, 4, [400.0, 300.0]),
-        ([0.3, 0.2], 2, 3, [600.0, 200.0]),
-        ([0.3, 0.2], 2, 4, [400.0, 300.0]),
-        ([0.3, 0.2], 2, 4, [600.0, 400.0]),
-    ] {
-        for upper in [1, columns] {
-            let cartons = two_layers(real, columns, rows, upper);
-            let mut said = 0;
-            for seed in 3050..3053 {
-                let frame = picture(&at, &shapes(&cartons), 6, seed);
-                let size = BoxSize::from_mm([wrong[0], wrong[1], HEIGHT * 1e3]);
-                let settings = VisionSettings::new(vec![size]).suited_to(&frame);
-                said += detect(&frame, &settings).boxes.len();
-            }
-            println!(
-                "{wrong:?} given for {real:?}, {columns} x {rows}, {upper}: {said} | reported"
-            );
         }
     }
 }
