@@ -319,8 +319,9 @@ impl SensorSpec {
     }
 
     /// A small active stereo camera: sigma = z^2 x 0.08 px / (640 px x 50 mm), 22 mm at 3 m, over
-    /// eight pixels; depths of whole steps of 0.08 px (2.5 mm at 1 m, 10 mm at 2 m), then of 1 mm; wide
-    /// smears and losses at edges. Noise and steps are those of the D435 class.
+    /// eight pixels; depths of whole steps of 1/32 px (1 mm at 1 m, 4 mm at 2 m), then of 1 mm; pixels
+    /// between both surfaces and losses at edges. Noise and steps are those of the D435 class, whose
+    /// disparities have five binary digits after the point.
     pub fn active_stereo() -> Self {
         Self {
             axial_noise: 0.0225,
@@ -330,7 +331,7 @@ impl SensorSpec {
             mixed_pixels: 0.4,
             bowl: 0.004,
             scale_error: 0.002,
-            disparity_step_px: 0.08,
+            disparity_step_px: 1.0 / 32.0,
             disparity_base: 640.0 * 0.05,
             quantum: 0.001,
             ..Self::laser_3m()

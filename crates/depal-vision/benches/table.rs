@@ -10,8 +10,8 @@
 use std::time::Instant;
 
 use cases::Case;
-use depal_camera::SensorSpec;
-use depal_frames::DepthFrame;
+use depal_camera::{CameraSpec, SensorSpec};
+use depal_frames::{DepthFrame, Intrinsics};
 use depal_vision::{Stage, VisionSettings, detect, detect_any_size, detect_staged};
 use rendered::{Carton, Layout, Score, camera, layer, looking_down, picture, quantile, stacked};
 
@@ -105,11 +105,30 @@ fn of_all_seeds(work: impl Fn(u64) -> Score + Sync) -> Score {
 }
 
 fn row(layout: Layout, gap_mm: f64, preset: &str, sensor: SensorSpec, distance: f64) {
-    let spec = camera(sensor);
+    row_of(layout, gap_mm, preset, &camera(sensor), distance);
+}
+
+/// Active stereo with a picture of its own class: 1280 x 720, 640 px, projector at 50 mm.
+fn small_stereo() -> CameraSpec {
+    CameraSpec {
+        intrinsics: Intrinsics {
+            width: 1280,
+            height: 720,
+            fx: 640.0,
+            fy: 640.0,
+            cx: 639.5,
+            cy: 359.5,
+        },
+        baseline: 0.05,
+        ..camera(SensorSpec::active_stereo())
+    }
+}
+
+fn row_of(layout: Layout, gap_mm: f64, preset: &str, spec: &CameraSpec, distance: f64) {
     let at = looking_down(TOP + distance);
     let score = of_all_seeds(|seed| {
         let cartons = layer(layout, gap_mm * 1e-3, TOP, seed);
-        let frame = picture(&spec, &at, &stacked(&cartons, TOP), seed);
+        let frame = picture(spec, &at, &stacked(&cartons, TOP), seed);
         let settings = VisionSettings::new(layout.sizes()).suited_to(&frame);
         let mut score = Score::default();
         score.add(&at, &cartons, &detect(&frame, &settings).boxes);
@@ -241,6 +260,21 @@ fn main() {
     for (preset, sensor) in presets {
         for gap in [5.0, 3.0, 1.0, 0.0] {
             row(Layout::Regular20, gap, preset, sensor, 2.0);
+        }
+    }
+    for gap in [5.0, 3.0, 1.0, 0.0] {
+        let sensor = SensorSpec::active_stereo();
+        row(Layout::Pinwheel, gap, "active-stereo", sensor, 1.5);
+    }
+    for (distance, layout) in [(2.0, Layout::Regular20), (1.5, Layout::Regular20)] {
+        for gap in [5.0, 3.0, 1.0, 0.0] {
+            row_of(
+                layout,
+                gap,
+                "active-stereo, 640 px",
+                &small_stereo(),
+                distance,
+            );
         }
     }
     for (distance, layout) in [

@@ -63,7 +63,7 @@ pub fn cover(patch: &Patch, sizes: &[BoxSize], fixed: &[Candidate]) -> Option<Co
             .iter()
             .filter(|(_, reading)| {
                 let [ours, theirs] = apart(&search.relief, &search.readings[0].1, reading);
-                !ours.rules_out(&theirs, &least)
+                !ours.rules_out(&theirs, &least, patch.lump)
             })
             .map(|(_, reading)| reading.clone())
             .collect(),
@@ -140,12 +140,13 @@ impl Misfit {
     }
 
     /// True when another reading of the same surface is out of the question beside this one. `whole`: all of the
-    /// best reading; the larger it is, the more places there are where a wrong one may fit by chance.
-    fn rules_out(&self, other: &Self, whole: &Self) -> bool {
+    /// best reading; the larger it is, the more places there are where a wrong one may fit by chance. `lump`: blocks
+    /// over which noise hangs together.
+    fn rules_out(&self, other: &Self, whole: &Self, lump: f64) -> bool {
         let mean = whole.mean();
         let fewer = self.cartons as f64 - other.cartons as f64;
-        let limit =
-            whole.squares * WORSE_SHARE + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean;
+        let limit = whole.squares * WORSE_SHARE
+            + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean * lump;
         other.beyond(mean) - self.beyond(mean) > limit
     }
 }
@@ -247,7 +248,7 @@ impl Search<'_> {
             };
             excess
                 > least.squares * WORSE_SHARE
-                    + (WORSE_BLOCKS + HOPELESS_BLOCKS + fewer) * least.mean()
+                    + (WORSE_BLOCKS + HOPELESS_BLOCKS + fewer) * least.mean() * self.patch.lump
         })
     }
 

@@ -153,8 +153,15 @@ fn find_boxes(
         if open.is_empty() {
             continue;
         }
+        let proven: Vec<u32> = found
+            .iter()
+            .chain(&covered)
+            .filter(|b| b.proven_sides >= 3)
+            .map(|b| b.label)
+            .collect();
+        let rejected = &mut detection.rejected;
         if let [alone] = group[..] {
-            let more = surfaces[alone].cover(&mask, image, settings, &[], &mut detection.rejected);
+            let more = surfaces[alone].cover(&mask, image, settings, &[], &proven, rejected);
             // Those with an outline of their own are among them, placed together with the others.
             let again = |b: &DetectedBox| {
                 more.iter()
@@ -178,8 +185,7 @@ fn find_boxes(
                     .filter(|b| surface.is_level_with(b, settings))
                     .cloned()
                     .collect();
-                let rejected = &mut detection.rejected;
-                covered.extend(surface.cover(&mask, image, settings, &beside, rejected));
+                covered.extend(surface.cover(&mask, image, settings, &beside, &proven, rejected));
             }
             Err(rejected) => detection.rejected.extend(rejected),
         }

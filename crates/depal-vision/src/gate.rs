@@ -2,7 +2,9 @@
 
 use depal_frames::{DepthFrame, Intrinsics, Point};
 
-use crate::{RegionOfInterest, VisionSettings, smear::sharpened};
+use crate::{
+    RegionOfInterest, VisionSettings, average::averaged, smear::sharpened, valley::parted,
+};
 
 /// Depths beyond this are no measurement of any depth camera for cartons.
 const LARGEST_DEPTH: f32 = 60.0;
@@ -62,7 +64,8 @@ pub fn gate<'a>(
         }
     });
     let smeared = settings.smear_px >= LEAST_SMEAR;
-    let depth = if odd == 0 && !smeared {
+    let noisy = settings.average_px > 0;
+    let depth = if odd == 0 && !smeared && !noisy {
         &frame.depth
     } else {
         cleaned.extend(
@@ -71,8 +74,13 @@ pub fn gate<'a>(
                 .iter()
                 .map(|&z| if z > 0.0 && z < LARGEST_DEPTH { z } else { 0.0 }),
         );
+        if noisy {
+            let within = settings.average_within as f32;
+            *cleaned = averaged(cleaned, width, settings.average_px, within);
+        }
         if smeared {
             let noise = 0.5 * settings.plane_tolerance as f32;
+            *cleaned = parted(cleaned, width, settings.smear_px, 2.0 * noise.max(0.001));
             *cleaned = sharpened(cleaned, width, settings.smear_px, noise.max(0.0));
         }
         for (inside, &z) in in_region.iter_mut().zip(cleaned.iter()) {

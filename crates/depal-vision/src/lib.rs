@@ -66,6 +66,7 @@
 )]
 
 mod arrange;
+mod average;
 mod blank;
 pub mod calibration;
 mod class;
@@ -97,6 +98,7 @@ mod stands;
 mod steps;
 mod surface;
 mod turn_together;
+mod valley;
 mod verify;
 
 pub use detect::{Stage, detect, detect_any_size, detect_staged};

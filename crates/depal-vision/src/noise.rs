@@ -2,7 +2,7 @@
 
 use depal_frames::DepthFrame;
 
-use crate::{VisionSettings, smear::smear_of};
+use crate::{VisionSettings, average::averaged, gate::LEAST_SMEAR, smear::smear_of};
 
 /// Pixels looked at, about.
 const SAMPLES: usize = 20_000;
@@ -19,15 +19,23 @@ const SMEARED_SIZE: f64 = 0.015;
 /// Distances at which depths are compared, pixels: neighbours, and beyond what correlated noise spans.
 const LAGS: [usize; 2] = [1, 8];
 
+/// Where six deviations are more than this, depths are averaged first, metres: more than twice what the
+/// defaults are made for.
+const AVERAGED_FROM: f64 = 0.010;
+/// They are averaged until six deviations are no more than this, metres.
+const WANTED: f64 = 0.006;
+/// Half of the widest square over which they are averaged, metres: all sides of cartons are longer than twice that.
+const WIDEST: f64 = 0.030;
+/// Depths within so many deviations of each other are averaged.
+const WITHIN_SIGMAS: f64 = 5.0;
+
 /// Standard deviation of depth at a distance of `lag` pixels, metres; `None` without enough pixels.
-fn deviation(frame: &DepthFrame, lag: usize) -> Option<f64> {
-    let width = frame.intrinsics.width;
+fn deviation(depth: &[f32], width: usize, lag: usize) -> Option<f64> {
     if width < 2 * lag + 1 {
         return None;
     }
-    let stride = (frame.depth.len() / SAMPLES).max(1) | 1;
-    let mut bends: Vec<f32> = frame
-        .depth
+    let stride = (depth.len() / SAMPLES).max(1) | 1;
+    let mut bends: Vec<f32> = depth
         .chunks_exact(width)
         .flat_map(|row| row.windows(2 * lag + 1).map(|w| [w[0], w[lag], w[2 * lag]]))
         .step_by(stride)
@@ -42,16 +50,58 @@ fn deviation(frame: &DepthFrame, lag: usize) -> Option<f64> {
     Some(f64::from(median) * SIGMA_PER_MEDIAN)
 }
 
+/// The greatest of the deviations at some distances, metres.
+fn noise_of(depth: &[f32], width: usize, lags: &[usize]) -> Option<f64> {
+    let sigmas = lags.iter().filter_map(|&lag| deviation(depth, width, lag));
+    sigmas.reduce(f64::max)
+}
+
+/// Median of the measured depths, metres.
+fn middle_depth(depth: &[f32]) -> Option<f64> {
+    let stride = (depth.len() / SAMPLES).max(1) | 1;
+    let measured = depth.iter().step_by(stride).filter(|z| **z > 0.0);
+    let mut measured: Vec<f32> = measured.copied().collect();
+    let middle = measured.len() / 2;
+    (!measured.is_empty())
+        .then(|| f64::from(*measured.select_nth_unstable_by(middle, f32::total_cmp).1))
+}
+
 impl VisionSettings {
-    /// Wider tolerances where the image itself is too noisy for the present ones, and the width over which
-    /// it smears steps; never less than now.
+    /// Wider tolerances where the image itself is too noisy for the present ones, averaging where it is noisier
+    /// still, and the width over which it smears steps; never less than now.
     pub fn suited_to(mut self, frame: &DepthFrame) -> Self {
-        self.smear_px = self.smear_px.max(smear_of(frame));
-        if self.smear_px > 0 {
+        let width = frame.intrinsics.width;
+        if width == 0 || frame.depth.len() != width * frame.intrinsics.height {
+            return self;
+        }
+        let mut sigma = noise_of(&frame.depth, width, &LAGS);
+        let mut soft = Vec::new();
+        if let Some(raw) = sigma.filter(|s| SIGMAS * s > AVERAGED_FROM)
+            && let Some(z) = middle_depth(&frame.depth)
+        {
+            let within = WITHIN_SIGMAS * raw / (z * z);
+            let most = (WIDEST * frame.intrinsics.fx / z) as usize;
+            for reach in REACHES.into_iter().filter(|r| *r <= most) {
+                soft = averaged(&frame.depth, width, reach, within as f32);
+                sigma = noise_of(&soft, width, &[1, 8, 2 * reach + 1]);
+                self.average_px = self.average_px.max(reach);
+                self.average_within = self.average_within.max(within);
+                if sigma.is_none_or(|s| SIGMAS * s <= WANTED) {
+                    break;
+                }
+            }
+        }
+        let depth = if soft.is_empty() { &frame.depth } else { &soft };
+        let at_one_metre = sigma
+            .zip(middle_depth(depth))
+            .map_or(0.0, |(s, z)| s / (z * z));
+        self.smear_px = self
+            .smear_px
+            .max(smear_of(depth, width, at_one_metre as f32));
+        if self.smear_px >= LEAST_SMEAR {
             self.size_tolerance = self.size_tolerance.max(SMEARED_SIZE);
         }
-        let sigma = LAGS.iter().filter_map(|&lag| deviation(frame, lag));
-        if let Some(sigma) = sigma.reduce(f64::max) {
+        if let Some(sigma) = sigma {
             let noise = (SIGMAS * sigma).min(MOST);
             self.step = self.step.max(noise);
             self.plane_tolerance = self.plane_tolerance.max(noise);
@@ -61,3 +111,6 @@ impl VisionSettings {
         self
     }
 }
+
+/// Halves of squares that are tried, pixels.
+const REACHES: [usize; 4] = [4, 8, 14, 22];

@@ -27,6 +27,10 @@ pub struct Patch {
     pub rows: usize,
     /// Cells along a carton's sides that say nothing of its inside.
     pub rim: usize,
+    /// Blocks over which noise hangs together; 1 where each has its own.
+    pub lump: f64,
+    /// Depths were averaged: their noise is more than the heights by which cartons differ.
+    pub averaged: bool,
     /// Surface cells of all cells below and left.
     area: Vec<u32>,
     /// Deep cells of all cells below and left, in squares of [`COARSE`] cells.
@@ -50,6 +54,10 @@ pub struct Grid {
     pub pitch: f64,
     /// Cells along a carton's sides that say nothing of its inside.
     pub rim: usize,
+    /// Over how many pixels the picture was smeared or averaged, and with it its noise.
+    pub soft_px: usize,
+    /// It was averaged.
+    pub averaged: bool,
 }
 
 /// Weight of an edge cell that lies exactly on the line; one cell beside it counts 3, two count 1.
@@ -114,6 +122,8 @@ impl Patch {
             y,
             pitch,
             rim,
+            soft_px,
+            averaged,
         } = *grid;
         let columns = ((x[1] - x[0]) / pitch).ceil().max(1.0) as usize;
         let rows = ((y[1] - y[0]) / pitch).ceil().max(1.0) as usize;
@@ -204,6 +214,8 @@ impl Patch {
             columns,
             rows,
             rim,
+            lump: (soft_px as f64 / BLOCK as f64).powi(2).max(1.0),
+            averaged,
             area,
             deep,
             vertical,
@@ -211,11 +223,6 @@ impl Patch {
             blanks: blanks.to_vec(),
             heights,
         }
-    }
-
-    /// True when the camera smears steps, and with them its noise.
-    pub fn is_smeared(&self) -> bool {
-        self.rim > SHARP_RIM
     }
 
     /// Number of surface cells of a block (column, row of blocks).

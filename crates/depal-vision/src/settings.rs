@@ -52,6 +52,11 @@ pub struct VisionSettings {
     pub max_surface_side: f64,
     /// Over how many pixels the camera smears depth steps; 0 for one that does not.
     pub smear_px: usize,
+    /// Half of the square over which depths are averaged along a surface, pixels; 0 where they are good enough.
+    pub average_px: usize,
+    /// Only depths that differ by no more than this are averaged, at a depth of one metre; it goes with the square of
+    /// depth, as stereo noise does: several of its deviations.
+    pub average_within: f64,
     /// Edge of the cubes in which unexplained points are gathered as obstacles.
     pub obstacle_voxel: f64,
 }
@@ -71,6 +76,8 @@ impl VisionSettings {
             min_visible: 0.7,
             max_surface_side: 2.0,
             smear_px: 0,
+            average_px: 0,
+            average_within: 0.0,
             obstacle_voxel: 0.025,
         }
     }

@@ -1,8 +1,6 @@
 //! Before stage 1: cameras that match patches of a picture smear depth steps over many pixels. The
 //! step stands where the depth is half way; there it is put back.
 
-use depal_frames::DepthFrame;
-
 /// Least depth step that counts, metres: less is noise of such a camera, or a carton's edge.
 const LEAST_STEP: f32 = 0.030;
 /// Half of the widest smear that is looked for, pixels.
@@ -12,31 +10,22 @@ const LEVELS: (f32, f32) = (0.15, 0.85);
 /// Fewer steps say nothing.
 const LEAST_STEPS: usize = 100;
 
-/// Over how many pixels the steps of a frame are smeared; 0 where they are sharp.
-pub fn smear_of(frame: &DepthFrame) -> usize {
-    let width = frame.intrinsics.width;
-    if width < 4 * REACH {
-        return 0;
-    }
+/// Steps are higher than so many deviations of the noise.
+const LEAST_SIGMAS: f32 = 12.0;
+
+/// Over how many pixels the steps of a frame are smeared; 0 where they are sharp. `noise`: deviation at a depth of one
+/// metre, metres; it goes with the square of depth.
+pub fn smear_of(depth: &[f32], width: usize, noise: f32) -> usize {
+    let height = depth.len() / width.max(1);
     let mut widths: Vec<usize> = Vec::new();
-    for row in frame.depth.chunks_exact(width).step_by(4) {
-        let mut u = REACH + 4;
-        while u + REACH + 4 < width {
-            let level = |at: usize, beside: usize| {
-                let (a, b) = (row[at], row[beside]);
-                (a > 0.0 && b > 0.0 && (a - b).abs() < 0.2 * LEAST_STEP).then_some(a)
-            };
-            let ends = level(u - REACH, u - REACH - 4).zip(level(u + REACH, u + REACH + 4));
-            if let Some((a, b)) = ends.filter(|(a, b)| (a - b).abs() > LEAST_STEP) {
-                let between = row[u - REACH..=u + REACH].iter().filter(|&&z| {
-                    let share = (z - a) / (b - a);
-                    z > 0.0 && share > LEVELS.0 && share < LEVELS.1
-                });
-                widths.push(between.count());
-                u += 2 * REACH;
-            }
-            u += 4;
-        }
+    for row in depth.chunks_exact(width.max(1)).step_by(4) {
+        widths_along(row, noise, &mut widths);
+    }
+    let mut column = Vec::with_capacity(height);
+    for u in (0..width).step_by(4) {
+        column.clear();
+        column.extend((0..height).map(|v| depth[v * width + u]));
+        widths_along(&column, noise, &mut widths);
     }
     if widths.len() < LEAST_STEPS {
         return 0;
@@ -44,6 +33,41 @@ pub fn smear_of(frame: &DepthFrame) -> usize {
     let middle = widths.len() / 2;
     let inner = *widths.select_nth_unstable(middle).1;
     (inner as f32 / (LEVELS.1 - LEVELS.0)).round() as usize
+}
+
+/// Over how many pixels each step along a line goes from one of the levels to the other.
+fn widths_along(row: &[f32], noise: f32, widths: &mut Vec<usize>) {
+    let mut u = REACH + 4;
+    while u + REACH + 4 < row.len() {
+        let level = |at: usize, beside: usize| {
+            let (a, b) = (row[at], row[beside]);
+            (a > 0.0 && b > 0.0 && (a - b).abs() < 0.2 * LEAST_STEP).then_some(a)
+        };
+        let least = |z: f32| LEAST_STEP.max(LEAST_SIGMAS * noise * z * z);
+        let ends = level(u - REACH, u - REACH - 4).zip(level(u + REACH, u + REACH + 4));
+        if let Some((a, b)) = ends.filter(|(a, b)| (a - b).abs() > least(a.max(*b))) {
+            // What is lost beside the step must not make it narrower.
+            let line = &row[u - REACH..=u + REACH];
+            let share = |z: f32| (z - a) / (b - a);
+            let past = |level: f32| line.iter().position(|&z| z > 0.0 && share(z) > level);
+            let half = past(0.5).unwrap_or(0);
+            let before = line[..half]
+                .iter()
+                .rposition(|&z| z > 0.0 && share(z) < LEVELS.0);
+            let after = line[half..]
+                .iter()
+                .position(|&z| z > 0.0 && share(z) > LEVELS.1);
+            if let Some((before, after)) = before.zip(after.map(|n| n + half)) {
+                let inner = &line[before + 1..after];
+                let lost = inner.iter().filter(|z| **z <= 0.0).count();
+                if 2 * lost <= inner.len() {
+                    widths.push(inner.len());
+                }
+            }
+            u += 2 * REACH;
+        }
+        u += 4;
+    }
 }
 
 /// The depths with every smeared step put back to where it is half way; `smear` pixels wide, `noise`
@@ -70,9 +94,15 @@ pub fn sharpened(depth: &[f32], width: usize, smear: usize, noise: f32) -> Vec<f
             if z == 0.0 {
                 continue;
             }
+            // Where one of the two is lost, in a shadow beside a step, the other one tells the slope.
             let across = |a: usize, b: usize| {
                 let (a, b) = (depth[a], depth[b]);
-                if a > 0.0 && b > 0.0 { b - a } else { 0.0 }
+                match (a > 0.0, b > 0.0) {
+                    (true, true) => b - a,
+                    (true, false) => 2.0 * (z - a),
+                    (false, true) => 2.0 * (b - z),
+                    (false, false) => 0.0,
+                }
             };
             let gx = across(i - SLOPE, i + SLOPE);
             let gy = across(i - SLOPE * width, i + SLOPE * width);

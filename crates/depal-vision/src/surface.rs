@@ -4,7 +4,7 @@ use depal_frames::{Point, Vector};
 
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
-    arrange::arrange,
+    arrange::{arrange, touches},
     blank::Blank,
     components::Component,
     cover::uncovered,
@@ -200,6 +200,8 @@ impl Surface {
             y: [bounds.y[0] - margin, bounds.y[1] + margin],
             pitch,
             rim: SHARP_RIM + settings.smear_px.min(20) / 3,
+            soft_px: settings.smear_px.max(2 * settings.average_px),
+            averaged: settings.average_px > 0,
         };
         let blanks: Vec<Blank> = found.iter().map(|b| blank(b, &frame)).collect();
         Ok(Patch::new(image, &grid, &blanks, settings.plane_tolerance))
@@ -286,13 +288,15 @@ impl Surface {
     }
 
     /// Boxes whose outline can be seen, and those that follow from covering the rest. `beside`: those
-    /// already found on the same level, which are no part of it.
+    /// already found on the same level, which are no part of it. `proven`: labels of sizes of which some stand proven
+    /// anywhere.
     pub fn cover(
         &mut self,
         mask: &[u8],
         image: &DepthImage,
         settings: &VisionSettings,
         beside: &[DetectedBox],
+        proven: &[u32],
         rejected: &mut Vec<RejectedSurface>,
     ) -> Vec<DetectedBox> {
         let Searched {
@@ -316,7 +320,11 @@ impl Surface {
                 }
             },
         };
-        let labels: Vec<u32> = beside.iter().map(|b| b.label).collect();
+        let mut labels: Vec<u32> = beside.iter().map(|b| b.label).collect();
+        if patch.averaged {
+            // Such a camera shows few seams: what stands elsewhere says which sizes there are.
+            labels.extend(proven);
+        }
         let Some(arrangement) = arrange(
             &patch,
             settings.plane_tolerance,
@@ -333,7 +341,10 @@ impl Surface {
         if arrangement.ambiguous {
             rejected.push(self.rejected(RejectReason::Ambiguous));
         }
-        if !stands(&patch, image, settings, &arrangement.boxes) {
+        let goes_on = patch.averaged
+            && !arrangement.ambiguous
+            && goes_on(&patch, settings, &arrangement.boxes, &fixed);
+        if goes_on || !stands(&patch, image, settings, &arrangement.boxes) {
             rejected.push(self.rejected(RejectReason::NoKnownSize));
             return boxes;
         }
@@ -382,6 +393,37 @@ impl Surface {
         }
         boxes
     }
+}
+
+/// True when the surface goes on beyond an outer side of a covering: then its cartons are larger than the known ones.
+fn goes_on(
+    patch: &Patch,
+    settings: &VisionSettings,
+    arranged: &[Candidate],
+    fixed: &[Candidate],
+) -> bool {
+    /// Cells by which a placement may be off.
+    const OFF: f64 = 3.0;
+    /// Cells that are looked at.
+    const LOOK: isize = 4;
+    let off = (settings.size_tolerance / patch.pitch + OFF) as isize;
+    arranged.iter().any(|b| {
+        let [i0, j0] = b.first.map(|v| v as isize);
+        let (i1, j1) = (i0 + b.cells[0] as isize, j0 + b.cells[1] as isize);
+        (0..4).any(|side| {
+            let is_inner = arranged
+                .iter()
+                .chain(fixed)
+                .any(|o| o.first != b.first && touches(b, o, side, patch.pitch));
+            let beyond = match side {
+                0 => patch.surface(i0 - off - LOOK, j0 + LOOK, i0 - off, j1 - LOOK),
+                1 => patch.surface(i1 + off, j0 + LOOK, i1 + off + LOOK, j1 - LOOK),
+                2 => patch.surface(i0 + LOOK, j0 - off - LOOK, i1 - LOOK, j0 - off),
+                _ => patch.surface(i0 + LOOK, j1 + off, i1 - LOOK, j1 + off + LOOK),
+            };
+            !is_inner && beyond > 0.5
+        })
+    })
 }
 
 /// How far a patch reaches beyond its surface, which ends early where steps are smeared, metres.

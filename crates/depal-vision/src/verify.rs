@@ -21,6 +21,9 @@ pub const LEAST_SEEN: f64 = 0.15;
 /// Least share for a side to turn an arranged box.
 pub const TURN_SEEN: f64 = 0.5;
 
+/// Share of scan lines with an edge that noise never gives.
+const PLAIN: f64 = 0.5;
+
 /// So many seen sides must not be mere shadows of something taller: the floor of a cage ends in those.
 const LEAST_TRUE_EDGES: usize = 2;
 
@@ -162,7 +165,10 @@ fn check(
         Proof::Outline => (3, LEAST_TRUE_EDGES),
         Proof::Arrangement { .. } => (0, 0),
     };
-    if misfit > allowed || proven < needed || true_edges < needed_edges {
+    // Lumps of noise left over by averaging make pieces of sides, never two plain ones.
+    let plain = fit.sides.iter().filter(|s| s.seen >= PLAIN).count();
+    let made_of_noise = settings.average_px > 0 && plain < needed_edges;
+    if misfit > allowed || proven < needed || true_edges < needed_edges || made_of_noise {
         return Err(RejectReason::NoKnownSize);
     }
 
@@ -188,7 +194,7 @@ fn check(
     if seen.share(Class::Deep) > 0.01 || seen.share(Class::On) < settings.min_visible {
         return Err(RejectReason::NoKnownSize);
     }
-    if seen.is_covered(image, &fit.frame, extents) {
+    if seen.is_covered(image, &fit.frame, extents, settings.average_px) {
         return Err(RejectReason::Covered);
     }
     let tilt = (-fit
@@ -286,8 +292,16 @@ impl Look {
 
     /// True when points in front of the plane stand inside the rectangle once they are put down on it
     /// along the normal. A taller neighbour in the line of sight stands outside and only hides.
-    fn is_covered(&self, image: &DepthImage, frame: &PlaneFrame, extents: [f64; 2]) -> bool {
+    /// Where depths were averaged over `average_px`, noise stands out in lumps of that size: one is chance.
+    fn is_covered(
+        &self,
+        image: &DepthImage,
+        frame: &PlaneFrame,
+        extents: [f64; 2],
+        average_px: usize,
+    ) -> bool {
         const MARGIN: f64 = 0.010;
+        let lump = ((2 * average_px + 1) as f64 / SPACING).powi(2) as usize;
         let over = self
             .near
             .iter()
@@ -297,9 +311,12 @@ impl Look {
                     && from_middle.dot(&frame.y).abs() < extents[1] / 2.0 - MARGIN
             })
             .count();
-        over * 400 > self.samples()
+        over * 400 > self.samples() && (average_px == 0 || over > lump)
     }
 }
+
+/// Distance of the samples, pixels.
+const SPACING: f64 = 4.0;
 
 /// Samples the inside of a rectangle, `margin` metres away from its sides.
 fn look(
@@ -309,8 +326,6 @@ fn look(
     tolerance: f64,
     margin: f64,
 ) -> Look {
-    /// Distance of the samples, pixels.
-    const SPACING: f64 = 4.0;
     let k = &image.intrinsics;
     let spacing = (SPACING * pixel_pitch(frame, k)).max(1e-4);
     let inner = extents.map(|e| e - 2.0 * margin);

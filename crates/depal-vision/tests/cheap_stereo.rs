@@ -3,75 +3,15 @@
 //!
 //! At least nine of ten fully visible tops of both layers are found, and none spans two cartons.
 
-use depal_camera::{CameraSpec, RenderShape, SensorSpec, render, sense};
-use depal_frames::{BoxSize, DepthFrame, Intrinsics, Pose, Rotation, Vector};
+use cheap::{picture, shapes};
+use depal_frames::{BoxSize, Pose, Rotation, Vector};
 use depal_vision::{DetectedBox, VisionSettings, detect, detect_any_size};
-use rendered::{Carton, HEIGHT, Score, block, looking_down};
+use rendered::{Carton, HEIGHT, Score, looking_down};
 
+mod cheap;
 mod rendered;
 
 const TOP: f64 = 0.75;
-
-fn cheap(sensor: SensorSpec) -> CameraSpec {
-    CameraSpec {
-        intrinsics: Intrinsics {
-            width: 640,
-            height: 480,
-            fx: 600.0,
-            fy: 600.0,
-            cx: 319.5,
-            cy: 239.5,
-        },
-        near: 0.3,
-        far: 5.0,
-        baseline: 0.05,
-        sensor,
-    }
-}
-
-/// Mean of 1/z over a square: what matching of patches makes of a step.
-fn smeared(depth: &[f32], width: usize, reach: usize) -> Vec<f32> {
-    let height = depth.len() / width;
-    (0..depth.len())
-        .map(|i| {
-            let (u, v) = (i % width, i / width);
-            let (mut sum, mut count) = (0.0, 0.0);
-            for y in v.saturating_sub(reach)..(v + reach + 1).min(height) {
-                for z in &depth
-                    [y * width + u.saturating_sub(reach)..y * width + (u + reach + 1).min(width)]
-                {
-                    if *z > 0.0 {
-                        sum += 1.0 / z;
-                        count += 1.0;
-                    }
-                }
-            }
-            if count > 0.0 { count / sum } else { 0.0 }
-        })
-        .collect()
-}
-
-/// The picture of the active stereo preset, its noise and mixed pixels included, as a camera gives it that
-/// matches patches of `2 reach + 1` pixels; what it has lost stays lost.
-fn picture(at: &Pose, shapes: &[RenderShape], reach: usize, seed: u64) -> DepthFrame {
-    let ideal = cheap(SensorSpec::ideal());
-    let exact = sense(&ideal, &render(&ideal, at, shapes), seed).frame;
-    let active = cheap(SensorSpec::active_stereo());
-    let mut frame = sense(&active, &render(&active, at, shapes), seed).frame;
-    let filled: Vec<f32> = frame
-        .depth
-        .iter()
-        .zip(exact.depth)
-        .map(|(&z, exact)| if z > 0.0 { z } else { exact })
-        .collect();
-    let soft = smeared(&filled, frame.intrinsics.width, reach);
-    for (z, soft) in frame.depth.iter_mut().zip(soft) {
-        if *z > 0.0 {
-            *z = (soft * 1e3).round() * 1e-3;
-        }
-    }
-    frame
-}
 
 /// Two layers of `columns` x `rows` cartons; of the upper one only the first columns are there.
 fn two_layers(size: [f64; 2], columns: usize, rows: usize, upper: usize) -> Vec<Carton> {
@@ -95,22 +35,6 @@ fn two_layers(size: [f64; 2], columns: usize, rows: usize, upper: usize) -> Vec<
         }
     }
     cartons
-}
-
-fn shapes(cartons: &[Carton]) -> Vec<RenderShape> {
-    let mut shapes: Vec<RenderShape> = cartons
-        .iter()
-        .enumerate()
-        .map(|(n, carton)| carton.shape(n as u32))
-        .collect();
-    shapes.push(block(
-        1001,
-        [0.0, 0.0, -0.1],
-        [8.0, 8.0, 0.2],
-        0.0,
-        depal_camera::Material::CONCRETE,
-    ));
-    shapes
 }
 
 /// Those of the upper layer, and those of the lower one beside it.
@@ -191,14 +115,14 @@ fn small_cartons_with_and_without_intensity() {
 
 /// Six cartons on a square, or bricks on a rectangle, that depth alone allows to be arranged in several ways.
 #[test]
-fn where_depth_allows_several_arrangements_nothing_wrong_is_said() {
+fn where_depth_allows_several_arrangements_the_right_one_is_found() {
     let size = [0.3, 0.2];
     let at = looking_down(TOP + 1.5);
     for [columns, rows] in [[2, 3], [2, 6], [3, 3], [4, 3]] {
         for with_intensity in [true, false] {
             let cartons = two_layers(size, columns, rows, columns);
             let score = score(&cartons, size, &at, with_intensity, 3030..3034);
-            most(&format!("{columns} x {rows}"), &score, 0.0);
+            most(&format!("{columns} x {rows}"), &score, 0.9);
         }
     }
 }

@@ -109,10 +109,10 @@ fn active_stereo_delivers_whole_steps_of_its_own_disparity() {
     let shot = shoot(&camera(WIDTH, HEIGHT, sensor), &[wall(0, 3.0)], 3);
     let mut seen = std::collections::BTreeSet::new();
     for z in shot.frame.depth.iter().filter(|z| **z > 0.0) {
-        let steps = 640.0 * 0.05 / 0.08 / f64::from(*z);
-        // Half a millimetre of rounding at 3 m is 0.022 steps; noise goes up to 0.1 m nearer.
-        assert!((steps - steps.round()).abs() < 0.03, "{z} m: {steps} steps");
+        let steps = 640.0 * 0.05 * 32.0 / f64::from(*z);
+        // Half a millimetre of rounding at 3 m is 0.057 steps; noise goes up to 0.1 m nearer.
+        assert!((steps - steps.round()).abs() < 0.07, "{z} m: {steps} steps");
         seen.insert(steps.round() as i64);
     }
-    assert!((4..20).contains(&seen.len()), "{seen:?}");
+    assert!((10..50).contains(&seen.len()), "{seen:?}");
 }
