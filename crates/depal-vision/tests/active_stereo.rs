@@ -63,10 +63,7 @@ fn packed_cartons_with_gaps() {
             (Layout::Brick, 2.0),
             (Layout::Pinwheel, 1.5),
         ] {
-            // A gap of a third of a pixel leaves too little of an edge.
-            let fine = spec.intrinsics.fx > 1000.0;
-            let gaps: &[f64] = if fine { &[5.0, 3.0, 1.0] } else { &[5.0, 3.0] };
-            for &gap_mm in gaps {
+            for gap_mm in [5.0, 3.0, 1.0] {
                 let score = score(&spec, layout, gap_mm, distance);
                 assert_eq!(score.false_positives, 0);
                 assert!(score.found as f64 >= 0.9 * score.wanted as f64);
