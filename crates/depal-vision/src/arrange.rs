@@ -152,7 +152,7 @@ pub fn arrange(
 
 /// Distances in blocks over which noise is measured: that of a camera that smears goes on over many pixels.
 fn lags(patch: &Patch) -> &'static [usize] {
-    if patch.lump > 1.0 { &[1, 2, 4] } else { &[1] }
+    if patch.is_smeared() { &[1, 2, 4] } else { &[1] }
 }
 
 /// Edge seen along the sides of the boxes, in sides per box. Counted by length, and the outline as all seen: it is

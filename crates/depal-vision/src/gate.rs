@@ -2,9 +2,7 @@
 
 use depal_frames::{DepthFrame, Intrinsics, Point};
 
-use crate::{
-    RegionOfInterest, VisionSettings, average::averaged, smear::sharpened, valley::parted,
-};
+use crate::{RegionOfInterest, VisionSettings, average::averaged, smear::sharpened};
 
 /// Depths beyond this are no measurement of any depth camera for cartons.
 const LARGEST_DEPTH: f32 = 60.0;
@@ -80,7 +78,6 @@ pub fn gate<'a>(
         }
         if smeared {
             let noise = 0.5 * settings.plane_tolerance as f32;
-            *cleaned = parted(cleaned, width, settings.smear_px, 2.0 * noise.max(0.001));
             *cleaned = sharpened(cleaned, width, settings.smear_px, noise.max(0.0));
         }
         for (inside, &z) in in_region.iter_mut().zip(cleaned.iter()) {

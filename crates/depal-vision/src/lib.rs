@@ -98,7 +98,6 @@ mod stands;
 mod steps;
 mod surface;
 mod turn_together;
-mod valley;
 mod verify;
 
 pub use detect::{Stage, detect, detect_any_size, detect_staged};

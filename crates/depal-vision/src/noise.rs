@@ -2,7 +2,12 @@
 
 use depal_frames::DepthFrame;
 
-use crate::{VisionSettings, average::averaged, gate::LEAST_SMEAR, smear::smear_of};
+use crate::{
+    VisionSettings,
+    average::averaged,
+    gate::LEAST_SMEAR,
+    smear::{pixels_on_steps, smear_of},
+};
 
 /// Pixels looked at, about.
 const SAMPLES: usize = 20_000;
@@ -95,10 +100,20 @@ impl VisionSettings {
         let at_one_metre = sigma
             .zip(middle_depth(depth))
             .map_or(0.0, |(s, z)| s / (z * z));
-        self.smear_px = self
-            .smear_px
-            .max(smear_of(depth, width, at_one_metre as f32));
-        if self.smear_px >= LEAST_SMEAR {
+        let mut smear = smear_of(depth, width, at_one_metre as f32);
+        if soft.is_empty() {
+            // Beside sharp steps pixels are lost as well.
+            let seen = pixels_on_steps(depth, width);
+            smear = if smear >= LEAST_SMEAR {
+                smear.max(seen)
+            } else {
+                seen
+            };
+        }
+        self.smear_px = self.smear_px.max(smear);
+        // Averaging makes no step wider.
+        let least = if soft.is_empty() { 1 } else { LEAST_SMEAR };
+        if self.smear_px >= least {
             self.size_tolerance = self.size_tolerance.max(SMEARED_SIZE);
         }
         if let Some(sigma) = sigma {

@@ -225,6 +225,11 @@ impl Patch {
         }
     }
 
+    /// True when the camera smears steps, and with them its noise.
+    pub fn is_smeared(&self) -> bool {
+        self.rim > SHARP_RIM
+    }
+
     /// Number of surface cells of a block (column, row of blocks).
     pub fn surface_cells_of_block(&self, i: usize, j: usize) -> u32 {
         self.surface_cells(i * BLOCK, j * BLOCK, (i + 1) * BLOCK, (j + 1) * BLOCK)

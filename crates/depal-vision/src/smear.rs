@@ -13,8 +13,51 @@ const LEAST_STEPS: usize = 100;
 /// Steps are higher than so many deviations of the noise.
 const LEAST_SIGMAS: f32 = 12.0;
 
-/// Over how many pixels the steps of a frame are smeared; 0 where they are sharp. `noise`: deviation at a depth of one
-/// metre, metres; it goes with the square of depth.
+/// How many measured pixels lie on the steps along the rows of a frame, as pixels of a whole step; 0 where they are
+/// sharp. What is lost beside a step is not counted: sharp cameras lose pixels there as well.
+pub fn pixels_on_steps(depth: &[f32], width: usize) -> usize {
+    let mut widths: Vec<usize> = Vec::new();
+    if width < 4 * REACH {
+        return 0;
+    }
+    for row in depth.chunks_exact(width).step_by(4) {
+        let mut u = REACH + 4;
+        while u + REACH + 4 < width {
+            if let Some((a, b)) = ends(row, u).filter(|(a, b)| (a - b).abs() > LEAST_STEP) {
+                let between = row[u - REACH..=u + REACH].iter().filter(|&&z| {
+                    let share = (z - a) / (b - a);
+                    z > 0.0 && share > LEVELS.0 && share < LEVELS.1
+                });
+                widths.push(between.count());
+                u += 2 * REACH;
+            }
+            u += 4;
+        }
+    }
+    whole_step(widths)
+}
+
+/// The level depths on both sides of a place on a line.
+fn ends(line: &[f32], u: usize) -> Option<(f32, f32)> {
+    let level = |at: usize, beside: usize| {
+        let (a, b) = (line[at], line[beside]);
+        (a > 0.0 && b > 0.0 && (a - b).abs() < 0.2 * LEAST_STEP).then_some(a)
+    };
+    level(u - REACH, u - REACH - 4).zip(level(u + REACH, u + REACH + 4))
+}
+
+/// Median of the widths between the levels, as that of a whole step.
+fn whole_step(mut widths: Vec<usize>) -> usize {
+    if widths.len() < LEAST_STEPS {
+        return 0;
+    }
+    let middle = widths.len() / 2;
+    let inner = *widths.select_nth_unstable(middle).1;
+    (inner as f32 / (LEVELS.1 - LEVELS.0)).round() as usize
+}
+
+/// Over how many pixels the steps of a frame are smeared, along rows and columns, what is lost on them included; 0
+/// where they are sharp. `noise`: deviation at a depth of one metre, metres; it goes with the square of depth.
 pub fn smear_of(depth: &[f32], width: usize, noise: f32) -> usize {
     let height = depth.len() / width.max(1);
     let mut widths: Vec<usize> = Vec::new();
@@ -27,25 +70,15 @@ pub fn smear_of(depth: &[f32], width: usize, noise: f32) -> usize {
         column.extend((0..height).map(|v| depth[v * width + u]));
         widths_along(&column, noise, &mut widths);
     }
-    if widths.len() < LEAST_STEPS {
-        return 0;
-    }
-    let middle = widths.len() / 2;
-    let inner = *widths.select_nth_unstable(middle).1;
-    (inner as f32 / (LEVELS.1 - LEVELS.0)).round() as usize
+    whole_step(widths)
 }
 
 /// Over how many pixels each step along a line goes from one of the levels to the other.
 fn widths_along(row: &[f32], noise: f32, widths: &mut Vec<usize>) {
     let mut u = REACH + 4;
     while u + REACH + 4 < row.len() {
-        let level = |at: usize, beside: usize| {
-            let (a, b) = (row[at], row[beside]);
-            (a > 0.0 && b > 0.0 && (a - b).abs() < 0.2 * LEAST_STEP).then_some(a)
-        };
         let least = |z: f32| LEAST_STEP.max(LEAST_SIGMAS * noise * z * z);
-        let ends = level(u - REACH, u - REACH - 4).zip(level(u + REACH, u + REACH + 4));
-        if let Some((a, b)) = ends.filter(|(a, b)| (a - b).abs() > least(a.max(*b))) {
+        if let Some((a, b)) = ends(row, u).filter(|(a, b)| (a - b).abs() > least(a.max(*b))) {
             // What is lost beside the step must not make it narrower.
             let line = &row[u - REACH..=u + REACH];
             let share = |z: f32| (z - a) / (b - a);
