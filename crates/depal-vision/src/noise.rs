@@ -24,9 +24,10 @@ const SMEARED_SIZE: f64 = 0.015;
 /// Distances at which depths are compared, pixels: neighbours, and beyond what correlated noise spans.
 const LAGS: [usize; 2] = [1, 8];
 
-/// Where six deviations are more than this, depths are averaged first, metres: more than twice what the
-/// defaults are made for.
-const AVERAGED_FROM: f64 = 0.010;
+/// Where a camera smears steps and six deviations are more than this, depths are averaged first, metres: more than
+/// twice what the defaults are made for. Where steps are sharp, only where they are more than [`MOST`]: up to there
+/// the heights of cartons still tell them apart, which averaging would hide.
+const SMEARED_AVERAGED_FROM: f64 = 0.010;
 /// They are averaged until six deviations are no more than this, metres.
 const WANTED: f64 = 0.006;
 /// Half of the widest square over which they are averaged, metres: all sides of cartons are longer than twice that.
@@ -71,6 +72,12 @@ fn middle_depth(depth: &[f32]) -> Option<f64> {
         .then(|| f64::from(*measured.select_nth_unstable_by(middle, f32::total_cmp).1))
 }
 
+/// The smear of a picture of the given noise at its middle depth, pixels.
+fn smear_at(depth: &[f32], width: usize, sigma: Option<f64>, middle: Option<f64>) -> usize {
+    let at_one_metre = sigma.zip(middle).map_or(0.0, |(s, z)| s / (z * z));
+    smear_of(depth, width, at_one_metre as f32)
+}
+
 impl VisionSettings {
     /// Wider tolerances where the image itself is too noisy for the present ones, averaging where it is noisier
     /// still, and the width over which it smears steps; never less than now.
@@ -81,8 +88,15 @@ impl VisionSettings {
         }
         let mut sigma = noise_of(&frame.depth, width, &LAGS);
         let mut soft = Vec::new();
-        if let Some(raw) = sigma.filter(|s| SIGMAS * s > AVERAGED_FROM)
-            && let Some(z) = middle_depth(&frame.depth)
+        let middle = middle_depth(&frame.depth);
+        let raw_smear = smear_at(&frame.depth, width, sigma, middle);
+        let from = if raw_smear >= LEAST_SMEAR {
+            SMEARED_AVERAGED_FROM
+        } else {
+            MOST
+        };
+        if let Some(raw) = sigma.filter(|s| SIGMAS * s > from)
+            && let Some(z) = middle
         {
             let within = WITHIN_SIGMAS * raw / (z * z);
             let most = (WIDEST * frame.intrinsics.fx / z) as usize;
@@ -96,20 +110,14 @@ impl VisionSettings {
                 }
             }
         }
-        let depth = if soft.is_empty() { &frame.depth } else { &soft };
-        let at_one_metre = sigma
-            .zip(middle_depth(depth))
-            .map_or(0.0, |(s, z)| s / (z * z));
-        let mut smear = smear_of(depth, width, at_one_metre as f32);
-        if soft.is_empty() {
+        let smear = if !soft.is_empty() {
+            smear_at(&soft, width, sigma, middle_depth(&soft))
+        } else if raw_smear >= LEAST_SMEAR {
+            raw_smear.max(pixels_on_steps(&frame.depth, width))
+        } else {
             // Beside sharp steps pixels are lost as well.
-            let seen = pixels_on_steps(depth, width);
-            smear = if smear >= LEAST_SMEAR {
-                smear.max(seen)
-            } else {
-                seen
-            };
-        }
+            pixels_on_steps(&frame.depth, width)
+        };
         self.smear_px = self.smear_px.max(smear);
         // Averaging makes no step wider.
         let least = if soft.is_empty() { 1 } else { LEAST_SMEAR };

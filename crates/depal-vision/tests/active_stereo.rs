@@ -111,6 +111,7 @@ fn better_cameras_are_not_averaged() {
         SensorSpec::laser_3m(),
         SensorSpec::laser_2m(),
         SensorSpec::ideal(),
+        SensorSpec::time_of_flight(),
     ] {
         let frame = frame_of(&camera(sensor), Layout::Brick, 3.0, 2.0, 8100);
         let suited = VisionSettings::new(Layout::Brick.sizes()).suited_to(&frame);
