@@ -105,7 +105,12 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
             json!({"render_ms": round(render_ms), "sensor_ms": round(sensor_ms)})
         );
     } else {
-        tell!("rendered in {render_ms:.1} ms, sensor {sensor_ms:.1} ms");
+        let valid = frame.depth.iter().filter(|z| **z > 0.0).count();
+        tell!(
+            "rendered in {render_ms:.1} ms, sensor {sensor_ms:.1} ms; {:.1} % of the pixels valid, seed {}",
+            100.0 * valid as f64 / frame.depth.len().max(1) as f64,
+            spec.seed
+        );
         tell!("results      {}", args.out.display());
     }
     Ok(())
