@@ -66,6 +66,7 @@
 
 mod arrange;
 mod blank;
+mod breaks;
 pub mod calibration;
 mod class;
 mod components;
@@ -95,6 +96,7 @@ mod stands;
 mod steps;
 mod surface;
 mod turn_together;
+mod unknown;
 mod verify;
 
 pub use detect::{Stage, detect, detect_any_size, detect_staged};
