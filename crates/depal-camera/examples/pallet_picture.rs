@@ -19,6 +19,7 @@ fn solid(id: u32, shape: Shape, at: [f64; 3], turn: [f64; 3], material: Material
         shape,
         id,
         material,
+        edge_radius: 0.0,
     }
 }
 

@@ -4,8 +4,9 @@
 //! structured-light camera would deliver it comes out, together with the truth for the score.
 //! It must never know what a carton, a pallet or an arm is.
 //!
-//! Boxes, balls, tubes and plates are drawn exactly: every row of such a surface is a span in closed
-//! form, so nothing is tessellated and nothing is clipped. Meshes are drawn triangle by triangle.
+//! Boxes (sharp or with rounded edges), balls, tubes and plates are drawn exactly: every row of such a surface is a span in closed
+//! form, so nothing is tessellated and nothing is clipped. Meshes are drawn triangle by triangle, flat pairs of them at
+//! once.
 //! A second pass from the projector finds what the pattern does not reach.
 //! The image is worked on in bands of rows, and every random number depends on seed and pixel only,
 //! so the result has the same bits for any number of threads and any vector width.
@@ -20,6 +21,7 @@
 //!     shape: Shape::cuboid(0.4, 0.4, 0.2),
 //!     id: 7,
 //!     material: Material::KRAFT,
+//!     edge_radius: 0.0,
 //! };
 //! let shot = capture(&spec, &Pose::identity(), &[block], 1);
 //! assert!((shot.frame.depth_at(32, 24) - 2.0).abs() < 1e-6);
@@ -31,7 +33,7 @@
 //! range; pixel centres are integers. The projector stands at (baseline, 0, 0) of the camera frame.
 //!
 //! Limitations: one ray per pixel, so a gap narrower than a pixel is hit or missed as a whole;
-//! no multiple reflections, no lens distortion, sharp box edges;
+//! no multiple reflections, no lens distortion; of all solids only boxes have rounded edges;
 //! a camera or projector inside a solid does not see that solid; one light, no ambient occlusion.
 
 // The loops over pixels are compiled once for each instruction set: all that they call must be inlined
@@ -44,12 +46,14 @@
 
 mod capture;
 mod decal;
+mod facets;
 mod light;
 mod mesh;
 mod mounting;
 mod noise;
 mod raster;
 mod render;
+mod rounded;
 mod row;
 mod sensor;
 mod shape;

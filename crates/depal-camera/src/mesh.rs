@@ -3,6 +3,7 @@ use std::sync::Arc;
 use depal_frames::{Point, Pose};
 
 use crate::Material;
+use crate::facets::{Facet, facets};
 
 /// Triangles in their own frame, metres. Corners are listed counter-clockwise as seen from outside;
 /// only that side is drawn.
@@ -10,6 +11,7 @@ use crate::Material;
 pub struct TriangleMesh {
     vertices: Vec<Point>,
     triangles: Vec<[u32; 3]>,
+    facets: Vec<Facet>,
     radius: f64,
 }
 
@@ -24,6 +26,7 @@ impl TriangleMesh {
         }
         let radius = vertices.iter().fold(0.0_f64, |r, p| r.max(p.coords.norm()));
         Some(Self {
+            facets: facets(&vertices, &triangles),
             vertices,
             triangles,
             radius,
@@ -38,6 +41,11 @@ impl TriangleMesh {
     /// Indices of three corners each.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// What is drawn: the same surface in fewer pieces.
+    pub(crate) fn facets(&self) -> &[Facet] {
+        &self.facets
     }
 
     /// Distance of the farthest corner from the origin.

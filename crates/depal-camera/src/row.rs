@@ -5,6 +5,19 @@ use crate::raster::TILE;
 /// A tile and one more value on each side.
 pub(crate) const WIDE: usize = TILE + 2;
 
+/// All bits where a condition holds.
+#[inline(always)]
+pub(crate) fn mask(holds: bool) -> u32 {
+    u32::from(holds).wrapping_neg()
+}
+
+/// `yes` where the mask is set, `no` elsewhere. Of an `if` around what is stored the compiler makes jumps,
+/// pixel by pixel.
+#[inline(always)]
+pub(crate) fn choose(mask: u32, yes: u32, no: u32) -> u32 {
+    no ^ ((yes ^ no) & mask)
+}
+
 /// How many values at the start of a row are the same.
 #[inline(always)]
 pub(crate) fn run_length(row: &[u32]) -> usize {

@@ -71,4 +71,8 @@ pub struct RenderShape {
     pub id: u32,
     /// Its surface.
     pub material: Material,
+    /// Radius to which the edges and corners of a box are rounded, metres; 0 = sharp. The box keeps its
+    /// size: it is a smaller box and all that is within the radius of it. At most half of the shortest
+    /// side counts, less than 0.01 mm is sharp, and solids of other kinds have none.
+    pub edge_radius: f64,
 }

@@ -2,6 +2,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use depal_frames::Intrinsics;
 
+use crate::light::{NOISE_DISTANCE, SIGNAL_FACTORS};
+
 /// What is wrong with a [`CameraSpec`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -351,6 +353,28 @@ impl SensorSpec {
             distance_bias: 0.011,
             quantum: 0.001,
             ..Self::laser_3m()
+        }
+    }
+}
+
+impl SensorSpec {
+    /// The same with the axial noise of a data sheet: a wall of brown board squarely at `distance` metres
+    /// has this standard deviation of depth, metres. What distance does to the signal, beyond
+    /// [`Self::signal_distance`], is taken as it stands in `self`.
+    #[must_use]
+    pub fn with_axial_noise_at(self, deviation: f64, distance: f64) -> Self {
+        let reference = f64::from(NOISE_DISTANCE);
+        let falls = self.radiometric_noise && self.signal_distance > 0.0;
+        let weaker = if falls {
+            let most = f64::from(SIGNAL_FACTORS.1);
+            (distance / self.signal_distance).clamp(1.0, most)
+        } else {
+            1.0
+        };
+        let growth = (distance / reference) * (distance / reference) * weaker;
+        Self {
+            axial_noise: deviation / growth,
+            ..self
         }
     }
 }

@@ -1,9 +1,14 @@
 //! Solids taken apart into surfaces whose image rows have a closed form, in a view's own frame.
 
+use depal_frames::nalgebra::Matrix3;
 use depal_frames::{Point, Pose, Shape, Vector};
 
 use crate::TriangleMesh;
+use crate::facets::{Facet, normal_of};
+use crate::rounded::RoundedBox;
 
+/// Edges of a smaller radius are sharp, metres.
+const SHARP: f64 = 1e-5;
 /// Nearer than this to the view's own plane no bounds are worked out, metres.
 const BOUNDS_MIN_DEPTH: f64 = 1e-4;
 
@@ -65,6 +70,8 @@ pub(crate) enum Round {
         half_length: f64,
         radius: f64,
     },
+    /// All of a box with rounded edges.
+    Rounded(RoundedBox),
 }
 
 impl Round {
@@ -82,28 +89,51 @@ impl Round {
                 let arm = point - centre;
                 (arm - axis * arm.dot(axis)) / *radius
             }
+            Self::Rounded(rounded) => rounded.normal_at(point),
         }
     }
 }
+
+/// A polygon and what holds its image.
+pub(crate) type BoundedPolygon = (Polygon, TangentBounds);
 
 /// Takes the surfaces of a solid that turn towards the eye.
 pub(crate) trait Collect {
     fn polygon(&mut self, polygon: &Polygon, bounds: TangentBounds);
     fn round(&mut self, round: Round, bounds: TangentBounds);
+    /// Takes a box with rounded edges; its faces follow.
+    fn rounded(&mut self, rounded: RoundedBox);
+    /// Takes a face of the rounded box taken last: that of the sharp box around it, and the part of it
+    /// that is flat.
+    fn rounded_face(&mut self, whole: &BoundedPolygon, flat: Option<&BoundedPolygon>);
 }
 
 /// Hands over the surfaces of a solid that turn towards the eye.
 #[inline(always)]
-pub(crate) fn collect_shape(out: &mut impl Collect, view_from_shape: &Pose, shape: &Shape) {
+pub(crate) fn collect_shape(
+    out: &mut impl Collect,
+    view_from_shape: &Pose,
+    shape: &Shape,
+    edge_radius: f64,
+) {
     let centre = view_from_shape.translation.vector;
     if centre.z + shape.bounding_radius() <= 0.0 {
         return;
     }
     match shape {
-        Shape::Cuboid { half_extents } => collect_cuboid(out, view_from_shape, half_extents),
+        Shape::Cuboid { half_extents } => {
+            // What is no number is not greater than any.
+            if edge_radius > SHARP {
+                let radius = edge_radius.min(half_extents.min());
+                collect_rounded(out, view_from_shape, half_extents, radius);
+            } else {
+                collect_cuboid(out, view_from_shape, half_extents);
+            }
+        }
         Shape::Sphere { radius } => collect_sphere(out, centre, *radius),
         Shape::Hull(hull) => {
-            collect_triangles(out, view_from_shape, hull.vertices(), hull.triangles());
+            let triangles = hull.triangles().iter().map(|[a, b, c]| [*a, *b, *c, *c]);
+            collect_facets(out, view_from_shape, hull.vertices(), triangles);
         }
         Shape::Capsule {
             half_length,
@@ -136,58 +166,101 @@ pub(crate) fn collect_shape(out: &mut impl Collect, view_from_shape: &Pose, shap
 fn collect_cuboid(out: &mut impl Collect, view_from_shape: &Pose, half: &Vector) {
     let rotation = view_from_shape.rotation.to_rotation_matrix();
     let centre = view_from_shape.translation.vector;
-    // Corner k has the signs of its bits: x = 1, y = 2, z = 4.
-    let corners: [Vector; 8] = std::array::from_fn(|k| {
-        let sign = |bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
-        centre + rotation * Vector::new(sign(1) * half.x, sign(2) * half.y, sign(4) * half.z)
-    });
+    let corners = corners_of(rotation.matrix(), &centre, half);
     for axis in 0..3 {
-        let (b, c) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
         for positive in [false, true] {
-            let base = if positive { 1 << axis } else { 0 };
-            let column = rotation.matrix().column(axis).into_owned();
-            let normal = if positive { column } else { -column };
-            let plane = normal.dot(&corners[base]);
-            if plane >= 0.0 {
-                continue; // turned away from the eye, or seen edge on
+            if let Some((polygon, bounds)) = face_of(&corners, rotation.matrix(), axis, positive) {
+                out.polygon(&polygon, bounds);
             }
-            // Round the face so that edge normals point inwards as seen from the eye.
-            let round = if positive {
-                [base, base | c, base | b | c, base | b]
-            } else {
-                [base, base | b, base | b | c, base | c]
-            };
-            let quad = round.map(|k| corners[k]);
-            let edges = std::array::from_fn(|k| quad[k].cross(&quad[(k + 1) % 4]));
-            let Some(bounds) = bounds_of(&quad) else {
-                continue;
-            };
-            let polygon = Polygon {
-                normal,
-                plane,
-                edges,
-                corners: 4,
-            };
-            out.polygon(&polygon, bounds);
         }
     }
 }
 
-/// Hands over the triangles that turn towards the eye.
+/// A ray from outside enters the sharp box through one of its faces at most, so that these faces divide
+/// up the image of the rounded one too.
+#[inline(always)]
+fn collect_rounded(out: &mut impl Collect, view_from_shape: &Pose, half: &Vector, radius: f64) {
+    let rotation = view_from_shape.rotation.to_rotation_matrix();
+    let centre = view_from_shape.translation.vector;
+    let corners = corners_of(rotation.matrix(), &centre, half);
+    out.rounded(RoundedBox::new(view_from_shape, half, radius));
+    for axis in 0..3 {
+        let mut flat = half.add_scalar(-radius);
+        let is_flat = flat[(axis + 1) % 3].min(flat[(axis + 2) % 3]) > SHARP;
+        flat[axis] = half[axis];
+        for positive in [false, true] {
+            let whole = face_of(&corners, rotation.matrix(), axis, positive);
+            let Some(whole) = whole else { continue };
+            let flat = if is_flat {
+                let corners = corners_of(rotation.matrix(), &centre, &flat);
+                face_of(&corners, rotation.matrix(), axis, positive)
+            } else {
+                None
+            };
+            out.rounded_face(&whole, flat.as_ref());
+        }
+    }
+}
+
+/// Corner k has the signs of its bits: x = 1, y = 2, z = 4.
+#[inline(always)]
+fn corners_of(rotation: &Matrix3<f64>, centre: &Vector, half: &Vector) -> [Vector; 8] {
+    std::array::from_fn(|k| {
+        let sign = |bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
+        centre + rotation * Vector::new(sign(1) * half.x, sign(2) * half.y, sign(4) * half.z)
+    })
+}
+
+/// A face of the box with these corners; none when it turns away from the eye, is seen edge on or lies
+/// behind the eye.
+#[inline(always)]
+fn face_of(
+    corners: &[Vector; 8],
+    rotation: &Matrix3<f64>,
+    axis: usize,
+    positive: bool,
+) -> Option<BoundedPolygon> {
+    let (b, c) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
+    let base = if positive { 1 << axis } else { 0 };
+    let column = rotation.column(axis).into_owned();
+    let normal = if positive { column } else { -column };
+    let plane = normal.dot(&corners[base]);
+    if plane >= 0.0 {
+        return None;
+    }
+    // Round the face so that edge normals point inwards as seen from the eye.
+    let round = if positive {
+        [base, base | c, base | b | c, base | b]
+    } else {
+        [base, base | b, base | b | c, base | c]
+    };
+    let quad = round.map(|k| corners[k]);
+    let edges = std::array::from_fn(|k| quad[k].cross(&quad[(k + 1) % 4]));
+    let polygon = Polygon {
+        normal,
+        plane,
+        edges,
+        corners: 4,
+    };
+    Some((polygon, bounds_of(&quad)?))
+}
+
+/// Hands over the facets of a mesh that turn towards the eye.
 #[inline(always)]
 pub(crate) fn collect_mesh(out: &mut impl Collect, view_from_mesh: &Pose, mesh: &TriangleMesh) {
     if view_from_mesh.translation.z + mesh.bounding_radius() <= 0.0 {
         return;
     }
-    collect_triangles(out, view_from_mesh, mesh.vertices(), mesh.triangles());
+    let facets = mesh.facets().iter().copied();
+    collect_facets(out, view_from_mesh, mesh.vertices(), facets);
 }
 
 #[inline(always)]
-fn collect_triangles(
+fn collect_facets(
     out: &mut impl Collect,
     view_from_mesh: &Pose,
     vertices: &[Point],
-    triangles: &[[u32; 3]],
+    facets: impl Iterator<Item = Facet>,
 ) {
     let rotation = view_from_mesh.rotation.to_rotation_matrix();
     let shift = view_from_mesh.translation.vector;
@@ -195,23 +268,36 @@ fn collect_triangles(
         .iter()
         .map(|p| rotation * p.coords + shift)
         .collect();
-    for triangle in triangles {
-        let [a, b, c] = triangle.map(|k| corners[k as usize]);
-        let normal = (b - a).cross(&(c - a));
+    for facet in facets {
+        let quad = facet.map(|k| corners[k as usize]);
+        let [a, b, c, d] = quad;
+        let is_triangle = facet[2] == facet[3];
+        let normal = if is_triangle {
+            (b - a).cross(&(c - a))
+        } else {
+            normal_of(&quad)
+        };
         let plane = normal.dot(&a);
         if plane >= 0.0 {
             continue;
         }
-        let Some(bounds) = bounds_of(&[a, b, c]) else {
+        // The last corner of a triangle stands there twice.
+        let Some(bounds) = bounds_of(&quad) else {
             continue;
         };
         let scale = 1.0 / normal.norm();
         // Listed counter-clockwise from outside, inwards edges run the other way round.
+        let (ba, cb) = (b.cross(&a), c.cross(&b));
+        let (edges, count) = if is_triangle {
+            ([a.cross(&c), cb, ba, Vector::zeros()], 3)
+        } else {
+            ([a.cross(&d), d.cross(&c), cb, ba], 4)
+        };
         let polygon = Polygon {
             normal: normal * scale,
             plane: plane * scale,
-            edges: [a.cross(&c), c.cross(&b), b.cross(&a), Vector::zeros()],
-            corners: 3,
+            edges,
+            corners: count,
         };
         out.polygon(&polygon, bounds);
     }

@@ -1,7 +1,9 @@
 //! Laws of the camera: exact geometry against ray casts, the sensor model against its own formulas.
 
 mod decal;
+mod facets;
 mod geometry;
+mod rounded;
 mod sensor;
 
 use depal_frames::{Intrinsics, Pose, Rotation, Shape, Vector};
@@ -40,6 +42,7 @@ fn solid(id: u32, shape: Shape, at: [f64; 3], turn: [f64; 3]) -> RenderShape {
         shape,
         id,
         material: Material::KRAFT,
+        edge_radius: 0.0,
     }
 }
 

@@ -2,7 +2,10 @@
 
 use depal_frames::{Pose, Vector};
 
-use crate::surface::{Collect, Polygon, Round, TangentBounds, collect_mesh, collect_shape};
+use crate::rounded::RoundedBox;
+use crate::surface::{
+    BoundedPolygon, Collect, Polygon, Round, TangentBounds, collect_mesh, collect_shape,
+};
 use crate::{RenderMesh, RenderShape};
 
 /// Rows that share a bin; together they fit into the second-level cache.
@@ -37,6 +40,19 @@ pub(crate) enum Outline {
     Flat(FlatSpan),
     /// Index into [`View::rounds`].
     Round(u32),
+    /// Index into [`View::rims`].
+    Rim(u32),
+}
+
+/// What is not flat of a face of a rounded box: pixels in the sharp box's face around it, where the ray
+/// meets an edge, a corner or nothing.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rim {
+    /// The sharp box's face.
+    pub whole: FlatSpan,
+    /// Index of the flat part, if it can be seen; its pixels are not the rim's.
+    pub flat: Option<u32>,
+    pub rounded: RoundedBox,
 }
 
 /// A surface with the pixels that it can touch (ends excluded).
@@ -74,6 +90,7 @@ pub(crate) struct View {
     /// One for each drawable.
     pub faces: Vec<Face>,
     pub rounds: Vec<Round>,
+    pub rims: Vec<Rim>,
     /// Where the list of each band starts in `binned`.
     starts: Vec<u32>,
     /// Drawables of each band, nearest solid first.
@@ -111,6 +128,7 @@ impl View {
         self.drawables.clear();
         self.faces.clear();
         self.rounds.clear();
+        self.rims.clear();
         let from_shapes = shapes.iter().map(|s| &s.world_from_shape);
         let from_meshes = meshes.iter().map(|m| &m.world_from_mesh);
         let placed: Vec<Pose> = from_shapes
@@ -126,7 +144,7 @@ impl View {
         for k in order {
             self.solid = k as u32;
             match shapes.get(k) {
-                Some(item) => collect_shape(self, &placed[k], &item.shape),
+                Some(item) => collect_shape(self, &placed[k], &item.shape, item.edge_radius),
                 None => collect_mesh(self, &placed[k], &meshes[k - shapes.len()].mesh),
             }
         }
@@ -219,12 +237,11 @@ impl pulp::WithSimd for ShowJob<'_> {
     }
 }
 
-impl Collect for View {
+impl View {
+    /// The pixels of a polygon; none when it is beside the picture.
     #[inline(always)]
-    fn polygon(&mut self, polygon: &Polygon, bounds: TangentBounds) {
-        let Some((columns, rows)) = self.pixels(&bounds) else {
-            return;
-        };
+    fn outline(&self, polygon: &Polygon, bounds: &TangentBounds) -> Option<(Drawable, FlatSpan)> {
+        let (columns, rows) = self.pixels(bounds)?;
         let g = self.grid;
         let mut drawable = Drawable {
             outline: Outline::Round(0),
@@ -246,7 +263,7 @@ impl Collect for View {
                 let value = rest + per_u * middle;
                 if per_v.abs() <= 1e-15 * rest.abs() {
                     if value < 0.0 {
-                        return;
+                        return None;
                     }
                 } else if per_v > 0.0 {
                     let first = (-value / per_v).ceil().clamp(0.0, g.rows as f64);
@@ -267,21 +284,32 @@ impl Collect for View {
             }
         }
         if drawable.rows.0 >= drawable.rows.1 {
-            return;
+            return None;
         }
         // Close the space between both kinds.
         let count = left + 4 - right;
         sides.copy_within(right..4, left);
         let inverse = polygon.normal / polygon.plane;
         let (per_column, per_row) = (inverse.x / g.fx, inverse.y / g.fy);
-        drawable.outline = Outline::Flat(FlatSpan {
+        let flat = FlatSpan {
             at_origin: inverse.z - per_column * g.cx - per_row * g.cy,
             per_column,
             per_row,
             sides,
             left_sides: left as u8,
             side_count: count as u8,
-        });
+        };
+        drawable.outline = Outline::Flat(flat);
+        Some((drawable, flat))
+    }
+}
+
+impl Collect for View {
+    #[inline(always)]
+    fn polygon(&mut self, polygon: &Polygon, bounds: TangentBounds) {
+        let Some((drawable, _)) = self.outline(polygon, &bounds) else {
+            return;
+        };
         self.drawables.push(drawable);
         self.faces.push(Face {
             solid: self.solid,
@@ -314,6 +342,48 @@ impl Collect for View {
             round: round_index,
             normal,
             distance,
+        });
+    }
+
+    #[inline(always)]
+    fn rounded(&mut self, rounded: RoundedBox) {
+        self.rounds.push(Round::Rounded(rounded));
+    }
+
+    #[inline(always)]
+    fn rounded_face(&mut self, whole: &BoundedPolygon, flat: Option<&BoundedPolygon>) {
+        let round = self.rounds.len() as u32 - 1;
+        let Round::Rounded(rounded) = self.rounds[round as usize] else {
+            return;
+        };
+        let Some((drawable, span)) = self.outline(&whole.0, &whole.1) else {
+            return;
+        };
+        let flat = flat.and_then(|(polygon, bounds)| {
+            let (drawable, _) = self.outline(polygon, bounds)?;
+            self.drawables.push(drawable);
+            self.faces.push(Face {
+                solid: self.solid,
+                round: Face::FLAT,
+                normal: single(&polygon.normal),
+                distance: -polygon.plane as f32,
+            });
+            Some(self.drawables.len() as u32 - 1)
+        });
+        self.drawables.push(Drawable {
+            outline: Outline::Rim(self.rims.len() as u32),
+            ..drawable
+        });
+        self.rims.push(Rim {
+            whole: span,
+            flat,
+            rounded,
+        });
+        self.faces.push(Face {
+            solid: self.solid,
+            round,
+            normal: [0.0; 3],
+            distance: 0.0,
         });
     }
 }

@@ -52,6 +52,7 @@ impl CalibrationSpec {
             shape: Shape::cuboid(x, y, PLATE),
             id: BOARD_ID,
             material: PLATE_MATERIAL,
+            edge_radius: 0.0,
         };
         let disc = |(column, row)| {
             let centre = self.board.centre(column, row);

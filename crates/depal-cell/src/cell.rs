@@ -2,12 +2,12 @@
 
 use depal_camera::{Material, RenderShape};
 use depal_controller::Controller;
-use depal_frames::{JointPositions, Pose};
 use depal_interface::plc_port;
 use depal_time::{SimTime, TICK};
 use depal_vm::execution::RobotTask;
 use depal_world::{VisibleKind, VisibleShape, World, WorldEvent};
 
+use crate::at_rest::arm_poses;
 use crate::digest::Digest;
 use crate::error::CellError;
 use crate::event::{Event, EventKind, round};
@@ -65,23 +65,9 @@ impl Cell {
                 *port = plc_port(port);
             }
         }
-        let mut world = World::new(&spec.world);
-        for carton in &spec.cartons {
-            world.add_carton(carton);
-        }
-        let links: Vec<_> = spec
-            .arm
-            .links()
-            .iter()
-            .map(|link| (link.name.clone(), link.collision.clone()))
-            .collect();
-        world.add_arm(&links, &spec.gripper);
         let mut controller = Controller::new(spec.controller.clone())?;
         check_wiring(&spec, &controller)?;
-        let start = controller.commanded_joints();
-        let (world_from_links, world_from_tcp) = arm_poses(&spec, &start);
-        world.set_arm(&world_from_links, &world_from_tcp);
-        world.settle(spec.settle_time);
+        let mut world = spec.world_at_rest();
         world.set_available_vacuum(spec.available_vacuum);
         controller.set_task(task);
         let score = Score::new(world.cartons().iter().map(|carton| carton.id.0));
@@ -308,19 +294,6 @@ impl Cell {
     }
 }
 
-/// World poses of the links and of the tool centre point.
-pub(crate) fn arm_poses(spec: &CellSpec, joints: &JointPositions) -> (Vec<Pose>, Pose) {
-    let links = spec
-        .arm
-        .base_from_links(joints)
-        .iter()
-        .map(|base_from_link| spec.world_from_base * base_from_link)
-        .collect();
-    let world_from_tcp =
-        spec.world_from_base * spec.arm.base_from_flange(joints) * spec.gripper.flange_from_tcp;
-    (links, world_from_tcp)
-}
-
 /// What lies between the robot task and vision.
 fn link(spec: &CellSpec) -> Link {
     let link = Link::new(spec.port, spec.latencies.network);
@@ -367,6 +340,7 @@ fn drawn(visible: VisibleShape) -> RenderShape {
             VisibleKind::Conveyor(_) => Material::CONCRETE,
             VisibleKind::Link(_) | VisibleKind::Tool => Material::PAINT,
         },
+        edge_radius: visible.edge_radius,
     }
 }
 

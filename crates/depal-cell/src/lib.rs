@@ -15,6 +15,7 @@
 //! flange has no housing of its own, a picture is of one instant without blur, and all pictures of one run
 //! (101, 201) go through the one pose that the robot told at its start.
 
+mod at_rest;
 pub mod calibration;
 mod calibration_desk;
 pub mod cell;

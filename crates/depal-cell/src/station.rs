@@ -18,7 +18,7 @@ use depal_interface::{ConnectionId, Encoding, LogEntry, PortId, Profile};
 use depal_time::{SimTime, TICK};
 use depal_world::World;
 
-use crate::cell::{arm_poses, render_shapes, scenery_shapes};
+use crate::cell::{render_shapes, scenery_shapes};
 use crate::computing::Elsewhere;
 pub use crate::computing::{Errand, Errands};
 use crate::error::CellError;
@@ -99,20 +99,7 @@ impl Station {
     ) -> Result<Self, CellError> {
         // Refuses settings without a port, which no lane would do.
         spec.interface.check()?;
-        let mut world = World::new(&spec.world);
-        for carton in &spec.cartons {
-            world.add_carton(carton);
-        }
-        let links: Vec<_> = spec
-            .arm
-            .links()
-            .iter()
-            .map(|link| (link.name.clone(), link.collision.clone()))
-            .collect();
-        world.add_arm(&links, &spec.gripper);
-        let (world_from_links, world_from_tcp) = arm_poses(&spec, &spec.controller.start);
-        world.set_arm(&world_from_links, &world_from_tcp);
-        world.settle(spec.settle_time);
+        let world = spec.world_at_rest();
 
         let lane = |port| {
             let mut spec = spec.clone();

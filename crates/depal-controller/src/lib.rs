@@ -29,7 +29,9 @@
 //! Units and frames: SI, radians, simulated time; poses in the robot base.
 //!
 //! Limitations: what a task changes in a cycle (signals, shared data) the tasks behind it see in the same cycle and
-//! those before it in the next one; a task that ended is not started again; no signal delay; a speed override holds for the moves that follow;
+//! those before it in the next one; a task that ended is not started again; one that stopped
+//! itself goes on at [`Controller::restart`], which no command of `depal` calls (an `exec` ends there): event routines of RESTART
+//! run for those who embed a controller; no signal delay; a speed override holds for the moves that follow;
 //! every stop on the path brakes as hard as the arm can;
 //! the servo follows exactly; a wait inside a task ends with the cycle, so it is 4 ms coarse.
 

@@ -402,7 +402,6 @@ fn segment(request: &MoveRequest) -> Segment {
         zone: match request.zone {
             MoveZone::Fine => Zone::Fine,
             MoveZone::Fly { tcp, orientation } => Zone::Fly { tcp, orientation },
-            MoveZone::Blend { joints } => Zone::Blend { joints },
         },
         quarters: request.configuration,
     }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::Duration;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
 
 use depal_interface::{ConnectionId, PortId};
 use depal_time::{SimTime, TICK};
@@ -15,6 +15,9 @@ use crate::clock::PacedClock;
 use crate::journal::{Entry, Journal, What};
 use crate::notice::Notice;
 use crate::session_host::SessionHost;
+
+#[cfg(test)]
+mod tests;
 
 /// Messages taken in one go before replies leave: their journal lines share one write.
 const BATCH: usize = 64;
@@ -40,6 +43,30 @@ pub(crate) enum ToBrain {
     Stop,
 }
 
+/// A message to the brain, and when it was sent. What the brain finds in its queue after it was kept from running
+/// is dealt with as of then: the computer's pauses are not taken for a client's silence.
+pub(crate) struct Letter {
+    pub(crate) sent: Instant,
+    pub(crate) message: ToBrain,
+}
+
+/// The way to the brain.
+#[derive(Clone)]
+pub(crate) struct BrainLink(Sender<Letter>);
+
+impl BrainLink {
+    pub(crate) fn new() -> (Self, Receiver<Letter>) {
+        let (sender, letters) = channel();
+        (Self(sender), letters)
+    }
+
+    /// Whether the brain is still there to read it.
+    pub(crate) fn send(&self, message: ToBrain) -> bool {
+        let sent = Instant::now();
+        self.0.send(Letter { sent, message }).is_ok()
+    }
+}
+
 /// What the brain tells a client's task.
 #[derive(Debug, Default)]
 pub(crate) struct Turn {
@@ -63,7 +90,7 @@ pub(crate) struct Brain<H> {
     pub(crate) station: H,
     pub(crate) journal: Option<Journal>,
     pub(crate) notices: Notices,
-    pub(crate) messages: Receiver<ToBrain>,
+    pub(crate) letters: Receiver<Letter>,
     peers: BTreeMap<Client, Peer>,
 }
 
@@ -72,13 +99,13 @@ impl<H: SessionHost> Brain<H> {
         station: H,
         journal: Option<Journal>,
         notices: Notices,
-        messages: Receiver<ToBrain>,
+        letters: Receiver<Letter>,
     ) -> Self {
         Self {
             station,
             journal,
             notices,
-            messages,
+            letters,
             peers: BTreeMap::new(),
         }
     }
@@ -87,23 +114,23 @@ impl<H: SessionHost> Brain<H> {
     pub(crate) fn run(mut self) -> Result<(), NetError> {
         let mut clock = PacedClock::new(self.station.tick());
         loop {
-            let first = match self.messages.recv_timeout(self.sleep(&clock)) {
-                Ok(message) => Some(message),
-                Err(RecvTimeoutError::Timeout) => None,
-                Err(RecvTimeoutError::Disconnected) => Some(ToBrain::Stop),
-            };
-            self.tell_time(&mut clock);
             let mut is_over = false;
-            let mut next = first;
+            let mut next = match self.letters.recv_timeout(self.sleep(&clock)) {
+                Ok(letter) => Some(letter),
+                Err(RecvTimeoutError::Timeout) => None,
+                Err(RecvTimeoutError::Disconnected) => {
+                    is_over = true;
+                    None
+                }
+            };
             for _ in 0..BATCH {
-                let Some(message) = next else {
+                let looked = Instant::now();
+                let Some(letter) = next.take().or_else(|| self.letters.try_recv().ok()) else {
+                    self.tell_time(&mut clock, looked);
                     break;
                 };
-                is_over |= self.take(message);
-                next = self.messages.try_recv().ok();
-            }
-            if let Some(message) = next {
-                is_over |= self.take(message);
+                self.tell_time(&mut clock, letter.sent);
+                is_over |= self.take(letter.message);
             }
             if is_over {
                 self.record(None, What::Ended {});
@@ -131,8 +158,9 @@ impl<H: SessionHost> Brain<H> {
         }
     }
 
-    fn tell_time(&mut self, clock: &mut PacedClock) {
-        let target = clock.tick();
+    /// It is `at`, or later if more has been told already.
+    fn tell_time(&mut self, clock: &mut PacedClock, at: Instant) {
+        let target = clock.tick_at(at);
         let reached = self.station.advance(target);
         self.collect();
         if reached < target {

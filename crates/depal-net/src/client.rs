@@ -1,7 +1,6 @@
 //! One client: its socket on one side, the brain on the other.
 
 use std::io::ErrorKind;
-use std::sync::mpsc::Sender;
 use std::time::Duration;
 
 use depal_interface::Encoding;
@@ -12,7 +11,7 @@ use tokio::sync::{mpsc::UnboundedReceiver, watch};
 use tokio::time::{Instant, sleep_until, timeout};
 
 use crate::Limits;
-use crate::brain::{Client, ToBrain, Turn};
+use crate::brain::{BrainLink, Client, ToBrain, Turn};
 
 /// Most commands handed over at a time: a client that floods gets its share, not more.
 const SHARE_COMMANDS: usize = 16;
@@ -32,7 +31,7 @@ pub(crate) struct Task {
     pub(crate) client: Client,
     pub(crate) encoding: Encoding,
     pub(crate) limits: Limits,
-    pub(crate) to_brain: Sender<ToBrain>,
+    pub(crate) to_brain: BrainLink,
     pub(crate) from_brain: UnboundedReceiver<Turn>,
     pub(crate) stop: watch::Receiver<bool>,
     /// A reply could not be written in time.
@@ -59,8 +58,7 @@ impl Task {
     pub(crate) async fn run(mut self) {
         let reason = self.serve().await;
         // The brain is gone only while the process ends.
-        let _ = self
-            .to_brain
+        self.to_brain
             .send(ToBrain::Disconnected(self.client, reason));
         self.farewell().await;
     }
@@ -145,10 +143,7 @@ impl Task {
         }
         let share = share(self.encoding, &at.ahead);
         let bytes: Vec<u8> = at.ahead.drain(..share).collect();
-        at.is_in_flight = self
-            .to_brain
-            .send(ToBrain::Bytes(self.client, bytes))
-            .is_ok();
+        at.is_in_flight = self.to_brain.send(ToBrain::Bytes(self.client, bytes));
     }
 
     /// The client sends nothing more. The end of its stream ends its last line, too.
@@ -158,7 +153,7 @@ impl Task {
             at.last_byte = Some(b'\r');
         }
         at.ended = Some(Instant::now());
-        let _ = self.to_brain.send(ToBrain::HalfClosed(self.client));
+        self.to_brain.send(ToBrain::HalfClosed(self.client));
     }
 
     /// Whether nothing half said remains.

@@ -17,9 +17,9 @@ impl PacedClock {
         }
     }
 
-    /// The tick that the wall clock has reached.
-    pub(crate) fn tick(&self) -> u64 {
-        let elapsed = self.origin.elapsed().as_nanos() as u64;
+    /// The tick that the wall clock had reached at `at`; the one of the origin for what was before it.
+    pub(crate) fn tick_at(&self, at: Instant) -> u64 {
+        let elapsed = at.saturating_duration_since(self.origin).as_nanos() as u64;
         self.origin_tick + elapsed / TICK.as_nanos()
     }
 

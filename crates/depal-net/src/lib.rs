@@ -29,7 +29,8 @@
 //! Ports may also be data blocks of Siemens controllers, see [`s7`].
 //!
 //! Limitations: TCP only. A client that has closed its sending side and one that is
-//! gone look alike: its waiting command gives way to the next client's.
+//! gone look alike: its waiting command gives way to the next client's, and what is answered before that
+//! client asks is lost with it.
 
 mod brain;
 mod client;

@@ -4,7 +4,6 @@ use std::net::SocketAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
 
 use depal_interface::{ConnectionId, Encoding, HandshakeSettings, PortId, Profile};
@@ -14,7 +13,7 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::task::JoinSet;
 
-use crate::brain::{Brain, Notices, ToBrain};
+use crate::brain::{Brain, BrainLink, Notices, ToBrain};
 use crate::client::Task;
 use crate::journal::Journal;
 use crate::ports::Listener;
@@ -84,9 +83,9 @@ pub fn serve(
     let notices: Notices = Arc::new(notices);
     let encodings = station.encodings();
     let profiles = station.profiles();
-    let (to_brain, messages) = channel();
+    let (to_brain, letters) = BrainLink::new();
     let (brain_ended, brain_end) = oneshot::channel();
-    let brain = Brain::new(station, journal, Arc::clone(&notices), messages);
+    let brain = Brain::new(station, journal, Arc::clone(&notices), letters);
     let thread = std::thread::Builder::new()
         .name("station".to_owned())
         .spawn(move || {
@@ -113,7 +112,7 @@ pub fn serve(
 struct Server {
     limits: Limits,
     notices: Notices,
-    to_brain: Sender<ToBrain>,
+    to_brain: BrainLink,
     next_client: AtomicU64,
 }
 
@@ -152,7 +151,7 @@ impl Server {
         let all = async { while accepting.join_next().await.is_some() {} };
         let _ = tokio::time::timeout(self.limits.shutdown, all).await;
         // Fails if the brain has ended by itself; its error is what counts then.
-        let _ = self.to_brain.send(ToBrain::Stop);
+        self.to_brain.send(ToBrain::Stop);
         Ok(())
     }
 
@@ -248,10 +247,8 @@ impl Server {
         let number = self.next_client.fetch_add(1, Ordering::Relaxed);
         let client = (port, ConnectionId(number));
         let (sender, from_brain) = mpsc::unbounded_channel();
-        self.to_brain
-            .send(ToBrain::Connected(client, peer, sender))
-            .ok()?;
-        Some(Task {
+        let is_served = self.to_brain.send(ToBrain::Connected(client, peer, sender));
+        is_served.then(|| Task {
             stream,
             client,
             encoding,

@@ -40,7 +40,8 @@
 //! SyncMoveOn and SyncMoveOff let tasks meet with the arm at rest; a cabinet has one arm, so in between one task moves
 //! it and the moves of another are refused, \ID is read and orders nothing. IError is ordered by the messages of its
 //! own task (ErrWrite, ErrLog, ErrRaise), not by those of the controller or of other tasks; an error that a handler
-//! takes is no message. Data found by name are module data of the own task. `built_in_names` lists what is there.
+//! takes is no message. Event routines of RESTART are checked, and run when the cabinet is told to go on behind a Stop;
+//! `depal exec` ends at a Stop and never tells it. Data found by name are module data of the own task. `built_in_names` lists what is there.
 //!
 //! Not affiliated with any vendor; RAPID is a language of ABB.
 

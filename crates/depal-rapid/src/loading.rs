@@ -26,7 +26,7 @@ pub enum TaskEvent {
     BeforeStart,
     /// When the program has stopped itself (STOP).
     Stop,
-    /// When it goes on after that (RESTART).
+    /// When it goes on after that (RESTART): for a cabinet that is told to, which no command does.
     Restart,
 }
 

@@ -3,29 +3,15 @@
 use depal_frames::nalgebra::{Matrix3, Rotation3, Translation3};
 use depal_frames::{Pose, Rotation, Vector};
 
-use crate::choice::{choice, one_of};
+use crate::choice::{choice, one_of, words_of};
 use crate::reader::{Checker, section};
 use crate::rules::{
     ANGLE_DEG, COORDINATE_MM, Flag, LENGTH_MM, Maybe, Numbers, Text, above, number, whole,
 };
+use crate::sensor::{DepthFilter, SensorPreset, SensorTerm};
 
-choice! {
-    /// Which faults a depth picture has.
-    pub enum SensorPreset {
-        /// Structured laser light seen past a baseline: shadow, axial noise, edge dropout, 0.1 mm steps.
-        Laser = "laser",
-        /// Structured laser light for the middle range: 0.1 mm at 2 m; noise_mm does not apply.
-        Laser2m = "laser-2m",
-        /// Structured laser light for the long range: 0.5 mm at 3 m; noise_mm does not apply.
-        Laser3m = "laser-3m",
-        /// A small stereo camera with its own pattern: 10 mm at 2 m, smeared edges; noise_mm does not apply.
-        ActiveStereo = "active-stereo",
-        /// Time of flight: no shadow, 3 mm at 3 m, flying pixels at edges; noise_mm does not apply.
-        TimeOfFlight = "time-of-flight",
-        /// The exact distance at every pixel.
-        Ideal = "ideal",
-    }
-}
+/// Distance that the noise of the plain `laser` holds for, mm.
+pub(crate) const LASER_NOISE_AT_MM: f64 = 3000.0;
 
 choice! {
     /// What carries the camera.
@@ -75,13 +61,39 @@ section! {
         /// Time from the trigger to the end of the exposure, s; the arm must not be in the way for so long.
         /// Default 0.6: long-range laser cameras need 0.5 to 0.9 s.
         exposure_s: f64, number(0.0, 10.0), default(0.6);
-        /// Which faults the picture has.
+        /// Which faults the picture has; with ideal none, whatever the keys below say.
         /// Default laser: an ideal picture makes every detector look good.
         sensor: SensorPreset, one_of(), default(SensorPreset::Laser);
-        /// Axial noise of a face seen squarely from 3 m, mm, one standard deviation; it grows with the
-        /// square of the distance.
+        /// Terms of the sensor's model that are left out, each by itself, a list or one word; what the sensor
+        /// does not have may be left out too. In the depth: shadow, grazing (loss on oblique faces),
+        /// darkness (loss on dark ones), weak_signal (noise on dark ones), falloff (less light from farther
+        /// away), axial_noise, correlated_noise (left out, all noise is each pixel's own), bowl,
+        /// scale_error, distance_bias, lateral_jitter, edge_dropout, mixed_pixels (flying pixels),
+        /// random_dropout, quantisation, disparity_steps; in the intensity: lens_blur, intensity_noise.
+        /// Over-exposure by gloss is what `hdr` takes away. The same word twice is refused.
+        /// Default []: the whole model, as in `--set camera.without=[]` over a scene that leaves some out.
+        without: Vec<SensorTerm>, words_of(), default(Vec::new());
+        /// Axial noise of a brown, opaque face seen squarely from `noise_at_mm`, mm, one standard deviation;
+        /// it grows with the square of the distance.
         /// Default 0.5: the repeatability given for long-range laser cameras at 3 m.
         noise_mm: f64, number(0.0, 100.0), default(0.5);
+        /// Distance that `noise_mm` holds for, mm: with both, the noise of any sensor but ideal is a data
+        /// sheet's.
+        /// Default: 3000 for laser; the others keep the noise of their class, whatever `noise_mm` says.
+        noise_at_mm: Option<f64>, Maybe(LENGTH_MM), default(None);
+        /// Which camera of its kind this is: the shape of its bowl and the signs of its scale error and
+        /// distance bias are drawn from this number alone, and not from the seed of the run.
+        /// Default 1: the same camera in every scene and on every seed; any other number is another camera.
+        device_seed: u64, whole(0, i64::MAX), default(1);
+        /// Filters that the camera runs over the finished depth, a list or one word: outlier_removal (takes
+        /// pixels with which fewer than three of eight neighbours agree), then median (3x3, fills nothing).
+        /// Their order here does not matter.
+        /// Default []: what is behind shows what the sensor saw.
+        filters: Vec<DepthFilter>, words_of(), default(Vec::new());
+        /// Several exposures: what the mirror image of the projector on a glossy face over-exposes in one is
+        /// measured in another. All that stands in a scene so far is matt, and looks the same either way.
+        /// Default false: one exposure.
+        hdr: bool, Flag, default(false);
         /// Nearest distance along Z that is measured, mm.
         /// Default 500: a carton in the gripper above the pallet is still seen.
         near_mm: f64, LENGTH_MM, default(500.0);
@@ -150,7 +162,47 @@ impl Camera {
     }
 }
 
+/// Refuses what the command line asks of a sensor that would not heed it. In a file it is no mistake: who
+/// takes the ideal sensor for a moment need not take the keys of the other one out.
+fn check_sensor(camera: &Camera, checker: &mut Checker<'_, '_>) {
+    let sensor = camera.sensor;
+    if camera.noise_at_mm.is_some() && !checker.table.contains_key("noise_mm") {
+        checker.problem(
+            "noise_at_mm",
+            "expected noise_mm beside it, found none".to_owned(),
+            Some("give the noise that holds at this distance"),
+        );
+    }
+    if sensor == SensorPreset::Ideal {
+        for (key, is_set) in [
+            ("noise_mm", camera.noise_mm > 0.0),
+            ("filters", !camera.filters.is_empty()),
+        ] {
+            if is_set && checker.is_override(key) {
+                checker.problem(
+                    key,
+                    format!("expected no {key} with sensor ideal, which is exact, found some"),
+                    Some("take another sensor, or leave the key out"),
+                );
+            }
+        }
+    } else if sensor != SensorPreset::Laser
+        && camera.noise_at_mm.is_none()
+        && checker.is_override("noise_mm")
+    {
+        checker.problem(
+            "noise_mm",
+            format!(
+                "expected noise_at_mm beside it for sensor {}, found none",
+                sensor.word()
+            ),
+            Some("give the distance at which the noise is that, or leave noise_mm out for that of the class"),
+        );
+    }
+}
+
 fn check_camera(camera: &Camera, checker: &mut Checker<'_, '_>) {
+    check_sensor(camera, checker);
     match (camera.look_at_mm, camera.rpy_deg) {
         (None, None) => checker.problem(
             "look_at_mm",

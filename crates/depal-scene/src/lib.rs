@@ -44,6 +44,7 @@ mod robot;
 mod rules;
 mod run;
 mod scene;
+mod sensor;
 mod solid;
 mod stack;
 mod text_file;
@@ -52,7 +53,7 @@ mod viz;
 
 pub use build::{BuildError, Built};
 pub use calibration::{Board, BoardMounting, Calibration};
-pub use camera::{Camera, CameraMount, SensorPreset};
+pub use camera::{Camera, CameraMount};
 pub use error::{SceneErrors, SceneProblem};
 pub use files::{Resolver, read_text};
 pub use gripper::{Gripper, GripperSection};
@@ -65,6 +66,7 @@ pub use robot::{HexByteOrder, Robot, Signal, SignalKind};
 pub use rules::Span;
 pub use run::{Accept, Planner, Run};
 pub use scene::{Scene, json_schema};
+pub use sensor::{DepthFilter, SensorPreset, SensorTerm};
 pub use solid::Solid;
 pub use stack::{
     CartonBlock, CartonPlace, Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize,

@@ -144,6 +144,14 @@ impl Checker<'_, '_> {
         self.reader
             .problem(&place, &key, message, hint.map(str::to_owned));
     }
+
+    /// Whether the command line gives this key.
+    pub(crate) fn is_override(&self, key: &str) -> bool {
+        self.table.get(key).is_some_and(|entry| {
+            let source = entry.node.place.source;
+            self.reader.sources[source].override_value.is_some()
+        })
+    }
 }
 
 /// The text of doc comment lines, joined.

@@ -12,6 +12,8 @@ use crate::rules::{
 /// Friction from ice to rubber.
 const FRICTION: Number = number(0.0, 2.0);
 const MASS_KG: Number = above(0.0, 1000.0);
+/// From a sharp edge to far more than board can be folded at.
+const EDGE_RADIUS_MM: Number = number(0.0, 50.0);
 
 choice! {
     /// What the cartons stand on.
@@ -117,6 +119,11 @@ section! {
         /// Coefficient of friction between cartons.
         /// Default 0.45: cardboard on cardboard is 0.3 to 0.6; a lower one lets neighbours be dragged less.
         friction: f64, FRICTION, default(0.45);
+        /// Radius of the edges and corners as the camera sees them, mm; at most half of the shortest side.
+        /// Only the picture knows it: contacts are those of sharp boxes.
+        /// Default 0: sharp, for which the estimation's figures are given. A fold of corrugated board is taken to be
+        /// about as round as the board is thick: 3 mm (B flute) or 4 mm (C flute).
+        edge_radius_mm: f64, EDGE_RADIUS_MM, default(0.0);
     }
     check check_cartons;
 }
@@ -147,6 +154,7 @@ pub(crate) fn long_and_short_mm([a, b, _]: [f64; 3]) -> [f64; 2] {
 }
 
 fn check_cartons(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
+    check_edges(cartons, checker);
     let Some((layers, pattern)) = cartons.stack() else {
         if cartons.at.is_empty() && cartons.block.is_empty() {
             for (key, is_missing) in [
@@ -205,6 +213,26 @@ fn check_cartons(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
                 pattern.columns, pattern.rows, layers
             ),
             Some("change layers for a lower stack"),
+        );
+    }
+}
+
+/// No side is shorter than two edges are wide.
+fn check_edges(cartons: &Cartons, checker: &mut Checker<'_, '_>) {
+    let radius = cartons.edge_radius_mm;
+    let own = cartons.block.is_empty().then_some(cartons.size_mm);
+    let sizes = own
+        .into_iter()
+        .chain(cartons.block.iter().map(|block| block.size_mm));
+    let shortest = sizes.flatten().fold(f64::INFINITY, f64::min);
+    if 2.0 * radius > shortest {
+        checker.problem(
+            "edge_radius_mm",
+            format!(
+                "expected at most {} (half of the shortest side of a carton), found {radius}",
+                0.5 * shortest
+            ),
+            None,
         );
     }
 }

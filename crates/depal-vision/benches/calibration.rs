@@ -35,6 +35,7 @@ fn picture(camera_from_board: &Pose, seed: u64) -> DepthFrame {
         shape,
         id,
         material,
+        edge_radius: 0.0,
     };
     let [x, y] = BOARD.plate_size();
     let shapes = [

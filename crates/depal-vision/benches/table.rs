@@ -1,7 +1,8 @@
 //! Recall, false positives and errors against layout, gap, camera preset and distance; the hard cases; measured sizes;
 //! time per stage.
 //!
-//! `cargo bench -p depal-vision --bench table` prints Markdown tables; `-- speed` only the times per stage.
+//! `cargo bench -p depal-vision --bench table` prints Markdown tables; `-- speed` only the times per stage, `-- 2m` only
+//! layouts and gaps at 2 m with sizes, `-- unsized` only those without. `EDGE_MM=3` rounds the cartons' edges.
 //! Everything is drawn by the simulated camera at 1280 x 1024 with all noise terms on. Frames are worked on side by
 //! side, but the times are taken on one thread with nothing else running.
 #![allow(clippy::disallowed_methods)] // a bench may read the clock
@@ -162,9 +163,58 @@ fn measured(preset: &str, sensor: SensorSpec, distance: f64) {
     );
 }
 
+/// Layers whose size the estimation is not told: what it measures, and by how much it is off on the mean.
+fn unsized_layer(layout: Layout, gap_mm: f64) {
+    let spec = camera(SensorSpec::laser_3m());
+    let at = looking_down(TOP + 2.0);
+    let (mut score, mut off) = (Score::default(), Vec::new());
+    for seed in FRESH {
+        let cartons = layer(layout, gap_mm * 1e-3, TOP, seed);
+        let frame = picture(&spec, &at, &stacked(&cartons, TOP), seed);
+        let settings = VisionSettings::new(Vec::new()).suited_to(&frame);
+        let boxes = detect_any_size(&frame, &settings).boxes;
+        score.add(&at, &cartons, &boxes);
+        for found in boxes {
+            let p = (at * found.camera_from_box).translation.vector;
+            let own = |c: &&Carton| (c.x - p.x).hypot(c.y - p.y) < 0.02;
+            if let Some(carton) = cartons.iter().find(own) {
+                off.push((found.size.length - carton.size[0]) * 1e3);
+                off.push((found.size.width - carton.size[1]) * 1e3);
+            }
+        }
+    }
+    let bias = off.iter().sum::<f64>() / off.len().max(1) as f64;
+    let size: Vec<f64> = off.iter().map(|mm| mm.abs()).collect();
+    println!(
+        "| {layout:?} | {gap_mm} | {} | {bias:+.2} | {:.2} |",
+        score.errors(),
+        quantile(&size, 0.95)
+    );
+}
+
+fn unsized_layers() {
+    println!(
+        "| layout, no size given | gap mm | found | false | xy median / p95 mm | z p95 mm | yaw median / p95 deg | tilt p95 deg | size bias mm | size p95 mm |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    for layout in LAYOUTS
+        .into_iter()
+        .chain([Layout::Brick, Layout::Pinwheel, Layout::Mixed])
+    {
+        for gap in [5.0, 3.0, 1.0, 0.0] {
+            unsized_layer(layout, gap);
+        }
+    }
+}
+
 fn main() {
-    if std::env::args().any(|a| a == "speed") {
+    let asked = |name: &str| std::env::args().any(|a| a == name);
+    if asked("speed") {
         speed(std::env::var("N").map_or(15, |n| n.parse().unwrap_or(15)));
+        return;
+    }
+    if asked("unsized") {
+        unsized_layers();
         return;
     }
     let errors =
@@ -178,6 +228,9 @@ fn main() {
         for gap in [5.0, 3.0, 1.0, 0.0] {
             row(layout, gap, "laser-3m", SensorSpec::laser_3m(), 2.0);
         }
+    }
+    if asked("2m") {
+        return;
     }
     let presets = [
         ("ideal", SensorSpec::ideal()),
@@ -213,6 +266,8 @@ fn main() {
     }
     measured("laser-2m", SensorSpec::laser_2m(), 2.0);
     measured("ideal", SensorSpec::ideal(), 2.0);
+    println!();
+    unsized_layers();
     println!();
     speed(5);
 }

@@ -50,6 +50,8 @@ pub struct Arrangement {
     pub unique: bool,
     /// Edges and heights prove each of the boxes by itself.
     pub each_proven: bool,
+    /// Nothing tells it from a floor or a sheet: one level surface without a seam.
+    pub plain: bool,
 }
 
 /// Covers what `fixed` leaves uncovered. `None` when the known sizes cannot cover it. `beside`: the
@@ -146,6 +148,7 @@ fn arrange_with(
             }
         }
     }
+    let merit = |r: &Vec<Candidate>| merit(r, fixed, patch.pitch);
     readings.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
     let best = readings.first()?.clone();
     let breaks = Breaks::new(&relief, relief.noise(1), uneven);
@@ -167,9 +170,19 @@ fn arrange_with(
             ambiguous: true,
             unique: true,
             each_proven: true,
+            plain: false,
         });
     }
     unique |= seams_seen(&best, patch.pitch) >= MOST_SEAMS;
+    let has_seam = best.iter().any(|a| {
+        (0..4).any(|side| {
+            a.sides[side] >= SEEN_SEAM
+                && best
+                    .iter()
+                    .any(|b| b.first != a.first && touches(a, b, side, patch.pitch))
+        })
+    });
+    let plain = level && !has_seam;
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
         .filter(|r| merit(r) > merit(&best) - lead && !same(&best, r))
@@ -187,6 +200,7 @@ fn arrange_with(
             ambiguous: true,
             unique: false,
             each_proven: false,
+            plain,
         });
     }
     // Cartons joined without any seam seen may as well be one larger carton, unless one of that
@@ -211,6 +225,7 @@ fn arrange_with(
             ambiguous: true,
             unique: false,
             each_proven: false,
+            plain,
         });
     }
     Some(Arrangement {
@@ -218,6 +233,7 @@ fn arrange_with(
         ambiguous: false,
         unique,
         each_proven: false,
+        plain,
     })
 }
 
@@ -284,13 +300,20 @@ fn lags(patch: &Patch) -> &'static [usize] {
     if patch.is_smeared() { &[1, 2, 4] } else { &[1] }
 }
 
-/// Edge seen along the sides of the boxes, in sides per box. Counted by length: what is seen of the outline is then
-/// the same for all readings of it, and only seams between boxes make one better.
-fn merit(boxes: &[Candidate]) -> f64 {
+/// Edge seen along the sides of the boxes, in sides per box. Counted by length, and the outline as all seen: it is
+/// then the same for all readings, whether their outer rows lie a cell off or not, and only seams between boxes make
+/// one better.
+fn merit(boxes: &[Candidate], fixed: &[Candidate], pitch: f64) -> f64 {
     let (mut seen, mut whole) = (0.0, 0.0);
     for b in boxes {
+        let meets = |side: usize| {
+            let all = boxes.iter().chain(fixed);
+            all.filter(|o| o.first != b.first)
+                .any(|o| touches(b, o, side, pitch))
+        };
         for (side, share) in b.sides.iter().enumerate() {
             let length = b.cells[1 - side / 2] as f64;
+            let share = if meets(side) { *share } else { 1.0 };
             seen += share * length;
             whole += length;
         }
@@ -298,7 +321,8 @@ fn merit(boxes: &[Candidate]) -> f64 {
     4.0 * seen / f64::max(whole, 1.0)
 }
 
-fn alike(a: &Candidate, b: &Candidate) -> bool {
+/// The same carton, give or take what rows of boxes drift by.
+pub fn alike(a: &Candidate, b: &Candidate) -> bool {
     a.label == b.label
         && a.turned == b.turned
         && (0..2).all(|k| a.first[k].abs_diff(b.first[k]) <= 6)

@@ -218,8 +218,18 @@ fn without_stripes(patch: &Patch, candidate: &Candidate) -> usize {
             .find(|&d| on(d) > 0.5)
             .is_some_and(|d| d >= narrow && deep(d) < 0.02)
     };
+    // A stripe inside the side is the same, seen from across it.
+    let ends_surface = |side: usize| {
+        let on = match side {
+            0 => patch.surface(i0 + 3, j0, i0 + 6, j1),
+            1 => patch.surface(i1 - 6, j0, i1 - 3, j1),
+            2 => patch.surface(i0, j0 + 3, i1, j0 + 6),
+            _ => patch.surface(i0, j1 - 6, i1, j1 - 3),
+        };
+        on > 0.5
+    };
     (0..4)
-        .filter(|&side| candidate.sides[side] >= SEEN && !is_stripe(side))
+        .filter(|&side| candidate.sides[side] >= SEEN && ends_surface(side) && !is_stripe(side))
         .count()
 }
 

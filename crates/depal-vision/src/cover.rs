@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use depal_frames::BoxSize;
 
 use crate::{
+    arrange::alike,
     breaks::Breaks,
     patch::{BLOCK, Patch},
     relief::Relief,
@@ -79,9 +80,12 @@ pub fn cover(
         least,
         readings: search
             .readings
-            .into_iter()
-            .filter(|(misfit, _)| !least.rules_out(misfit))
-            .map(|(_, reading)| reading)
+            .iter()
+            .filter(|(_, reading)| {
+                let [ours, theirs] = apart(&search.relief, &search.readings[0].1, reading);
+                !ours.rules_out(&theirs, &least)
+            })
+            .map(|(_, reading)| reading.clone())
             .collect(),
         relief: search.relief,
     })
@@ -155,14 +159,34 @@ impl Misfit {
         self.squares - noise * self.blocks as f64
     }
 
-    /// True when another reading is out of the question beside this one.
-    fn rules_out(&self, other: &Self) -> bool {
-        let mean = self.mean();
+    /// True when another reading of the same surface is out of the question beside this one. `whole`: all of the
+    /// best reading; the larger it is, the more places there are where a wrong one may fit by chance.
+    fn rules_out(&self, other: &Self, whole: &Self) -> bool {
+        let mean = whole.mean();
         let fewer = self.cartons as f64 - other.cartons as f64;
         let limit =
-            self.squares * WORSE_SHARE + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean;
+            whole.squares * WORSE_SHARE + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean;
         other.beyond(mean) - self.beyond(mean) > limit
     }
+}
+
+/// The misfits of the cartons in which two readings differ. What they share says nothing about which of them it is:
+/// on a large layer its noise would drown the few cartons that do.
+fn apart(relief: &Relief, best: &[Candidate], other: &[Candidate]) -> [Misfit; 2] {
+    let of = |these: &[Candidate], those: &[Candidate]| {
+        these
+            .iter()
+            .filter(|c| !those.iter().any(|o| alike(c, o)))
+            .fold(Misfit::default(), |sum, c| {
+                let own = relief.misfit(&[*c]);
+                Misfit {
+                    squares: sum.squares + own.squares,
+                    blocks: sum.blocks + own.blocks,
+                    cartons: sum.cartons + 1,
+                }
+            })
+    };
+    [of(best, other), of(other, best)]
 }
 
 struct Search<'a> {

@@ -6,6 +6,7 @@ use crate::{
     DetectedBox, Detection, VisionSettings,
     components::{Component, components},
     gate::{DepthImage, gate},
+    inset::place_by_insets,
     neighbours::neighbours,
     obstacles::obstacle_points,
     steps::surface_mask,
@@ -142,6 +143,7 @@ fn find_boxes(
     });
     entered(Stage::Coverings);
     // Then what is left together with its neighbours of the same height.
+    let mut covered: Vec<DetectedBox> = Vec::new();
     for group in neighbours(&surfaces, &image.intrinsics, settings) {
         let open: Vec<usize> = group
             .iter()
@@ -153,7 +155,13 @@ fn find_boxes(
         }
         if let [alone] = group[..] {
             let more = surfaces[alone].cover(&mask, image, settings, &[], &mut detection.rejected);
-            found.extend(more);
+            // Those with an outline of their own are among them, placed together with the others.
+            let again = |b: &DetectedBox| {
+                more.iter()
+                    .any(|m| m.confidence.to_bits() == b.confidence.to_bits() && overlap(m, b))
+            };
+            found.retain(|b| !again(b));
+            covered.extend(more);
             continue;
         }
         let mut whole = Component::default();
@@ -166,15 +174,18 @@ fn find_boxes(
             Ok(mut surface) => {
                 let beside: Vec<DetectedBox> = found
                     .iter()
+                    .chain(&covered)
                     .filter(|b| surface.is_level_with(b, settings))
                     .cloned()
                     .collect();
                 let rejected = &mut detection.rejected;
-                found.extend(surface.cover(&mask, image, settings, &beside, rejected));
+                covered.extend(surface.cover(&mask, image, settings, &beside, rejected));
             }
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
+    place_by_insets(&mut found, image, settings);
+    found.extend(covered);
     keep_best(found, settings, detection);
     turn_together(&mut detection.boxes, &image.intrinsics);
 }

@@ -10,24 +10,21 @@ use crate::{
     DetectedBox, VisionSettings,
     arrange::touches,
     gate::DepthImage,
-    patch::{Patch, pixel_pitch},
+    inset::{InsetSums, Insets},
+    patch::{BLOCK, Patch, pixel_pitch},
     plane::{Plane, PlaneFrame},
+    relief::Relief,
     search::{Candidate, extents, sides_with_edges},
-    sides::{Fitting, INSET_PIXELS, fit_rectangle},
-    verify::LEAST_SEEN,
+    sides::{Fitting, SIDE_PIXELS, fit_rectangle},
+    verify::{LEAST_SEEN, LEAST_SHARP, SHARP},
 };
 
-/// How well a side that is seen over its whole length is known, pixels: most of it is where between two pixels
-/// it lies, when it runs along their rows.
-const SIDE_PIXELS: f64 = 0.3;
 /// How evenly touching cartons stand, metres.
 const PAIR_SIGMA: f64 = 0.000_2;
 /// Pixels looked at across a seam, to each side of its middle one.
 const REACH: i32 = 3;
 /// What planes are mistaken by near their ends, metres.
 const PLANE_ERROR: f64 = 0.000_05;
-/// Pixels along a seam whose noise is one.
-const CORRELATED: f64 = 4.0;
 /// No carton is moved farther than this, pixels.
 const FARTHEST: f64 = 1.5;
 
@@ -41,8 +38,38 @@ struct Member {
     lean: [f64; 2],
     /// The middle of its top in the patch's axes.
     top: [f64; 2],
-    /// Measured middles of its top for each axis, as sums of weight and of weight times place.
-    measured: [[f64; 2]; 2],
+}
+
+/// Where a side of a carton's top was seen.
+struct Seen {
+    member: usize,
+    axis: usize,
+    /// -1 or +1: the side with the smaller or the larger coordinate.
+    sign: f64,
+    /// Where the middle of the top would lie if the side were just there, along the axis.
+    place: f64,
+    /// 1 over the variance of the place.
+    weight: f64,
+    what: Edge,
+}
+
+enum Edge {
+    /// Lit on such a share of its length; pixels there are so large, metres.
+    Side { lit: f64, pitch: f64 },
+    /// The middle of the gap to the neighbour.
+    Seam,
+}
+
+impl Seen {
+    /// Where it puts the middle of the top.
+    fn middle(&self, insets: &Insets, gap: f64) -> f64 {
+        self.place
+            + self.sign
+                * match self.what {
+                    Edge::Side { lit, pitch } => insets.of(lit) * pitch,
+                    Edge::Seam => -gap / 2.0,
+                }
+    }
 }
 
 impl Member {
@@ -75,7 +102,6 @@ impl Member {
             half: extents(&found.size, candidate.turned).map(|e| e / 2.0),
             lean: axes.map(|a| normal.dot(&a) * found.size.height / 2.0),
             top: axes.map(|a| offset.dot(&a)),
-            measured: [[0.0; 2]; 2],
         }
     }
 
@@ -85,13 +111,6 @@ impl Member {
         } else {
             self.frame.y
         }
-    }
-
-    /// Takes in that the middle of the top lies `shift` metres from where it was taken to be.
-    fn observe(&mut self, axis: usize, shift: f64, variance: f64) {
-        let weight = 1.0 / variance;
-        self.measured[axis][0] += weight;
-        self.measured[axis][1] += weight * (self.top[axis] + shift);
     }
 }
 
@@ -113,7 +132,7 @@ pub fn place_together(
     patch: &Patch,
     placed: &mut [(Candidate, DetectedBox)],
 ) {
-    let mut members: Vec<Member> = placed
+    let members: Vec<Member> = placed
         .iter()
         .map(|(candidate, found)| Member::new(found, *candidate, patch))
         .collect();
@@ -127,14 +146,20 @@ pub fn place_together(
             }
         }
     }
-    for member in &mut members {
-        observe_sides(image, settings, patch, member);
-    }
-    let (_, gap) = solve(&members, &pairs);
+    let sides: Vec<Seen> = (0..members.len())
+        .flat_map(|n| observe_sides(image, settings, patch, &members, n))
+        .collect();
+    let mut seen = join_sides(sides, &members, &pairs);
+    // As if it were white: of a mean over many pixels, which is what a seam is taken from.
+    let noise = Relief::new(patch).noise(1) * (BLOCK * BLOCK) as f64;
     for pair in &pairs {
-        observe_seam(image, settings, &mut members, pair, gap);
+        observe_seam(image, settings, &members, pair, noise, &mut seen);
     }
-    let (middles, _) = solve(&members, &pairs);
+    let (mut middles, insets) = solve(&members, &pairs, &seen, true);
+    // Where the image does not tell the two apart, they are the usual ones.
+    if !insets.differ() {
+        (middles, _) = solve(&members, &pairs, &seen, false);
+    }
     let most = FARTHEST * patch.pitch;
     for ((member, middle), (_, found)) in members.iter().zip(middles).zip(placed) {
         let shift = [0, 1].map(|k| middle[k] + member.lean[k] - member.top[k]);
@@ -150,8 +175,10 @@ fn observe_sides(
     image: &DepthImage,
     settings: &VisionSettings,
     patch: &Patch,
-    member: &mut Member,
-) {
+    members: &[Member],
+    n: usize,
+) -> Vec<Seen> {
+    let member = &members[n];
     let sides = member.half.map(|h| 2.0 * h);
     let fit = fit_rectangle(
         image,
@@ -168,26 +195,83 @@ fn observe_sides(
     );
     let pitch = pixel_pitch(&member.frame, &image.intrinsics);
     let moved = fit.frame.origin - member.frame.origin;
+    let mut seen = Vec::new();
     for (k, side) in fit.sides.iter().enumerate() {
         let (axis, sign) = (k / 2, if k % 2 == 0 { -1.0 } else { 1.0 });
         if side.is_true_edge(LEAST_SEEN) {
-            let beyond = side.offset + INSET_PIXELS * pitch;
-            let shift = moved.dot(&member.direction(axis)) + sign * beyond;
+            let shift = moved.dot(&member.direction(axis)) + sign * side.offset;
             let sigma = SIDE_PIXELS * pitch / side.seen.min(1.0);
-            member.observe(axis, shift, sigma * sigma);
+            let what = Edge::Side {
+                lit: side.lit,
+                pitch,
+            };
+            seen.push(Seen {
+                member: n,
+                axis,
+                sign,
+                place: member.top[axis] + shift,
+                weight: 1.0 / (sigma * sigma),
+                what,
+            });
         }
     }
+    seen
+}
+
+/// Two sides that face each other tell where the middle of their gap is, whatever is lost at both: a gap of less than
+/// a pixel takes a whole pixel where it is seen, and says nothing of insets. The others stay as they are.
+fn join_sides(sides: Vec<Seen>, members: &[Member], pairs: &[Pair]) -> Vec<Seen> {
+    let of = |member: usize, axis: usize, sign: f64| {
+        sides
+            .iter()
+            .position(|s| s.member == member && s.axis == axis && s.sign * sign > 0.0)
+    };
+    let mut faces = vec![false; sides.len()];
+    let mut seams = Vec::new();
+    for pair in pairs {
+        let (axis, across) = (pair.axis, 1 - pair.axis);
+        let found = [of(pair.low, axis, 1.0), of(pair.high, axis, -1.0)];
+        for side in found.into_iter().flatten() {
+            faces[side] = true;
+        }
+        let [Some(low), Some(high)] = found.map(|side| side.map(|n| &sides[n])) else {
+            continue;
+        };
+        let [a, b] = [&members[pair.low], &members[pair.high]];
+        let middle = f64::midpoint(low.place + a.half[axis], high.place - b.half[axis]);
+        let end = |m: &Member, sign: f64| m.top[across] + sign * m.half[across];
+        let common = end(a, 1.0).min(end(b, 1.0)) - end(a, -1.0).max(end(b, -1.0));
+        for (side, member) in [(low, a), (high, b)] {
+            seams.push(Seen {
+                member: side.member,
+                axis,
+                sign: side.sign,
+                place: middle - side.sign * member.half[axis],
+                // The same lost pixels make both sides.
+                weight: low.weight.min(high.weight)
+                    * (common / (2.0 * member.half[across])).clamp(0.0, 1.0),
+                what: Edge::Seam,
+            });
+        }
+    }
+    let mut faces = faces.iter();
+    let mut seen = sides;
+    seen.retain(|_| faces.next() == Some(&false));
+    seen.extend(seams);
+    seen
 }
 
 /// The place along each line across a seam where one plane gives way to the other: how many of its pixels lie on
 /// the first tells it, and the distance of each pixel from the second, in parts of that between the planes, counts
-/// them. Lines count by the square of that distance. What is seen there is the edge of the higher one.
+/// them. Lines count by the square of that distance. What is seen there is the edge of the higher one. `noise`:
+/// variance of a pixel's depth, square metres.
 fn observe_seam(
     image: &DepthImage,
     settings: &VisionSettings,
-    members: &mut [Member],
+    members: &[Member],
     pair: &Pair,
-    gap: f64,
+    noise: f64,
+    seen: &mut Vec<Seen>,
 ) {
     /// Lines are so many pixels apart.
     const STRIDE: f64 = 2.0;
@@ -206,6 +290,8 @@ fn observe_seam(
     let (outward, tangent) = (a.direction(axis), a.direction(across));
     let (width, height) = (image.width as i32, image.height as i32);
     let tolerance = settings.plane_tolerance;
+    // A wall inside the gap, or a mixed pixel, may lie closer to a plane than its tolerance.
+    let sharp = tolerance.min((SHARP * noise.sqrt()).max(LEAST_SHARP));
     let pixels = f64::from(2 * REACH + 1);
     // For the lines where the first and where the second is the higher one.
     let mut weights = [0.0; 2];
@@ -254,7 +340,7 @@ fn observe_seam(
             }
             let z = f64::from(image.depth[v as usize * image.width + u as usize]);
             let [on_a, on_b] = [expected(s, 0), expected(s, 1)];
-            let known = z > 0.0 && (z - on_a).abs().min((z - on_b).abs()) <= tolerance;
+            let known = z > 0.0 && (z - on_a).abs().min((z - on_b).abs()) <= sharp;
             // What is lost may belong to either.
             sum += if known { on_b - z } else { apart / 2.0 };
         }
@@ -271,27 +357,33 @@ fn observe_seam(
         counts[upper] += 1.0;
         places[upper] += weight * (first - step / 2.0) + step * apart * sum;
     }
-    let noise = tolerance / 6.0;
     let shifts = [0, 1].map(|n| {
         let member = [a, b][n];
         let sign = [1.0, -1.0][n];
         let place = places[n] / weights[n].max(1e-12);
-        let shift = place - sign * (member.half[axis] + gap / 2.0);
-        let sides = noise * noise * pixels * CORRELATED
-            + PLANE_ERROR * PLANE_ERROR * counts[n] * pixels * pixels / 4.0;
+        let shift = place - sign * member.half[axis];
+        let sides = noise * pixels + PLANE_ERROR * PLANE_ERROR * counts[n] * pixels * pixels / 4.0;
         let variance = pitch * pitch * (sides / weights[n].max(1e-12) + 0.04);
         (shift, variance)
     });
     for (n, member) in [pair.low, pair.high].into_iter().enumerate() {
         let (shift, variance) = shifts[n];
         if counts[n] >= 8.0 && shift.abs() < 2.0 * pitch {
-            members[member].observe(axis, shift, variance);
+            seen.push(Seen {
+                member,
+                axis,
+                sign: [1.0, -1.0][n],
+                place: members[member].top[axis] + shift,
+                weight: 1.0 / variance,
+                what: Edge::Seam,
+            });
         }
     }
 }
 
-/// Least squares over the middles of all cartons and their common gap.
-fn solve(members: &[Member], pairs: &[Pair]) -> (Vec<[f64; 2]>, f64) {
+/// Least squares over the middles of all cartons, their common gap, and the insets of their sides: seams and rows of
+/// known lengths tell those, too. The insets stay the usual ones unless they are `open`.
+fn solve(members: &[Member], pairs: &[Pair], seen: &[Seen], open: bool) -> (Vec<[f64; 2]>, Insets) {
     const ROUNDS: usize = 200;
     /// Rounds after which pairs are weighed anew.
     const AGAIN: usize = 40;
@@ -304,19 +396,18 @@ fn solve(members: &[Member], pairs: &[Pair]) -> (Vec<[f64; 2]>, f64) {
         .map(|m| [0, 1].map(|k| m.top[k] - m.lean[k]))
         .collect();
     let mut gap = 0.0;
+    let mut insets = Insets::USUAL;
     let apart =
         |pair: &Pair| members[pair.low].half[pair.axis] + members[pair.high].half[pair.axis];
     let mut weights = vec![SOFT; pairs.len()];
     for round in 0..ROUNDS {
-        let mut sums: Vec<[[f64; 2]; 2]> = members
-            .iter()
-            .map(|m| {
-                [0, 1].map(|k| {
-                    let [weight, sum] = m.measured[k];
-                    [weight, sum - weight * m.lean[k]]
-                })
-            })
-            .collect();
+        let mut sums = vec![[[0.0; 2]; 2]; members.len()];
+        for one in seen {
+            let sum = &mut sums[one.member][one.axis];
+            let middle = one.middle(&insets, gap) - members[one.member].lean[one.axis];
+            sum[0] += one.weight;
+            sum[1] += one.weight * middle;
+        }
         for (pair, between) in pairs.iter().zip(&weights) {
             let distance = apart(pair) + gap;
             let axis = pair.axis;
@@ -342,6 +433,17 @@ fn solve(members: &[Member], pairs: &[Pair]) -> (Vec<[f64; 2]>, f64) {
             .zip(&weights)
             .fold((0.0, 1e-12), |s, (p, w)| (s.0 + w * beyond(p), s.1 + w));
         gap = (total / weight).max(0.0);
+        let mut torn = InsetSums::new();
+        for one in seen {
+            if let Edge::Side { lit, pitch } = one.what {
+                let top = middles[one.member][one.axis] + members[one.member].lean[one.axis];
+                let pixels = (top - one.place) * one.sign / pitch;
+                torn.add(lit, 1.0 - lit, pixels, one.weight * pitch * pitch);
+            }
+        }
+        if open {
+            insets = torn.solve();
+        }
         if (round + 1) % AGAIN == 0 {
             for (pair, weight) in pairs.iter().zip(&mut weights) {
                 let off = (beyond(pair) - gap) / (LOOSE * PAIR_SIGMA);
@@ -349,5 +451,5 @@ fn solve(members: &[Member], pairs: &[Pair]) -> (Vec<[f64; 2]>, f64) {
             }
         }
     }
-    (middles, gap)
+    (middles, insets)
 }

@@ -29,6 +29,7 @@
 //!    several such readings the one whose every carton is one plane.
 //!    `measure`: tops of unknown size, where all four sides fall away.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
+//!    `inset`: how far inside the real edges this camera shows them.
 //!    `joint`: the cartons of a covering are placed together, by sides, by seams and by each other.
 //! 8. `verify`: size, wholeness, cover, tilt. `turn_together`: what stands too close to be turned much.
 //!    `obstacles`: what nothing reported explains.
@@ -76,6 +77,7 @@ mod detection;
 mod even;
 mod gate;
 mod ink;
+mod inset;
 mod joint;
 mod measure;
 mod neighbours;

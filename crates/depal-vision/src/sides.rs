@@ -13,6 +13,8 @@ struct Crossing {
     beyond: f64,
     /// Something taller stands behind what was not measured there: its shadow, perhaps no edge at all.
     shadowed: bool,
+    /// Something deeper was measured close behind it.
+    lit: bool,
 }
 
 /// What was measured at one side.
@@ -24,6 +26,8 @@ pub struct SideFit {
     pub offset: f64,
     /// Nearly all of it ends in the shadow of something taller: the real side may lie farther out.
     pub shadowed: bool,
+    /// Share 0..1 of its edge behind which something deeper was measured.
+    pub lit: f64,
 }
 
 impl SideFit {
@@ -48,6 +52,9 @@ const OUTWARD: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
 /// How far an edge seen by pixels lies inside the real one, in pixels: of the outermost surface
 /// pixels a third is lost or mixed at a step, which moves the crossing by one pixel each.
 pub const INSET_PIXELS: f64 = 0.4;
+/// How well a side that is seen over its whole length is known, pixels: most of it is where between two pixels
+/// it lies, when it runs along their rows.
+pub const SIDE_PIXELS: f64 = 0.3;
 
 /// How a rectangle is fitted.
 #[derive(Debug, Clone, Copy)]
@@ -207,6 +214,8 @@ impl ScanLines {
 
 /// Something this much nearer than a plane throws a shadow that matters, metres.
 const TALLER: f32 = 0.010;
+/// What is seen within so many pixels beyond an edge belongs to its step.
+const LIT_WITHIN: i32 = 3;
 /// The longest shadow that is followed, pixels.
 const LONGEST_SHADOW: i32 = 80;
 
@@ -280,10 +289,24 @@ fn scan(
                 let middle = |a: i32, b: i32| f64::from(a + b) / 2.0;
                 let ray = k.ray(middle(inner.0, u), middle(inner.1, v));
                 let at = frame.plane.meet(&ray) - frame.origin;
+                // Lone pixels are lost at any step: what counts is the first one that was measured.
+                let lit = (step..step + LIT_WITHIN)
+                    .map(|s| {
+                        let s = s as f32;
+                        (u0 + du * s, v0 + dv * s, z0 + dz * s)
+                    })
+                    .take_while(|(u, v, _)| *u >= 0.0 && *v >= 0.0 && *u < width && *v < height)
+                    .map(|(u, v, expected)| {
+                        let z = image.depth[v as i32 as usize * image.width + u as i32 as usize];
+                        (z, expected)
+                    })
+                    .find(|(z, _)| *z != 0.0)
+                    .is_some_and(|(z, expected)| z > expected + tolerance);
                 crossings.push(Crossing {
                     along: at.dot(&tangent),
                     beyond: at.dot(&outward) - half,
                     shadowed,
+                    lit,
                 });
             }
             break;
@@ -306,6 +329,7 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [Si
     }
     let mut turn = 0.0;
     let mut seen = [0.0; 4];
+    let mut lit = [0.0; 4];
     let any_clear = sides.iter().any(|side| {
         !side.shadowed && side.crossings.len() as f64 >= fitting.turn_seen * side.lines as f64
     });
@@ -315,8 +339,8 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [Si
         let mut turning = 0;
         let mut means = [(0.0, 0.0); 4];
         for (k, side) in sides.iter().enumerate() {
-            let (mut w, mut wt, mut wd, mut wtt, mut wtd, mut close) =
-                (0.0, 0.0, 0.0, 0.0, 0.0, 0usize);
+            let (mut w, mut wt, mut wd, mut wtt, mut wtd, mut wl, mut close) =
+                (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0usize);
             for c in &side.crossings {
                 let error = c.beyond - offsets[k] + turn * c.along;
                 let q = error * error * scale;
@@ -333,6 +357,7 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [Si
                 wd += weight * c.beyond;
                 wtt += weight * c.along * c.along;
                 wtd += weight * c.along * c.beyond;
+                wl += weight * f64::from(u8::from(c.lit));
             }
             seen[k] = close as f64 / side.lines as f64;
             if w < 1.0 {
@@ -340,6 +365,7 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [Si
             }
             let (mean_t, mean_d) = (wt / w, wd / w);
             means[k] = (mean_t, mean_d);
+            lit[k] = wl / w;
             if seen[k] >= fitting.turn_seen && (!side.shadowed || !any_clear) {
                 turning += 1;
                 top += wtd - w * mean_t * mean_d;
@@ -359,6 +385,7 @@ fn fit_lines(sides: &[ScanLines; 4], pitch: f64, fitting: &Fitting) -> (f64, [Si
         seen: seen[k],
         offset: offsets[k],
         shadowed: sides[k].shadowed,
+        lit: lit[k],
     });
     (turn, fits)
 }

@@ -335,7 +335,13 @@ impl Surface {
         if arrangement.ambiguous {
             rejected.push(self.rejected(RejectReason::Ambiguous));
         }
-        if !stands(&patch, image, settings, &arrangement.boxes) {
+        if !stands(
+            &patch,
+            image,
+            settings,
+            &arrangement.boxes,
+            arrangement.plain,
+        ) {
             rejected.push(self.rejected(RejectReason::NoKnownSize));
             return boxes;
         }

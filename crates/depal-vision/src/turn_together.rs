@@ -3,6 +3,10 @@
 //! A side that runs along the pixel rows tells its direction badly: all of it rounds to the same row. Between two
 //! cartons with a gap of a millimetre there is no room for more than the gap over the length of the common side, so
 //! the neighbours' sides tell it, too.
+//!
+//! Cartons of a layer were also put down along the same axes. How much they scatter about their common direction is
+//! measured with them: it is what their turns differ by beyond what one turn is known to. A single one is believed
+//! against the common one accordingly.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -10,8 +14,12 @@ use depal_frames::{Intrinsics, Point, Rotation, Vector};
 
 use crate::DetectedBox;
 
-/// How well a side's direction is known: as if its ends were, to so many pixels.
+/// How well a side's direction is known: as if its ends were, to so many pixels, where it follows the pixel rows.
 const ENDS_PIXELS: f64 = 0.35;
+/// A side that crosses so many rows over its length tells its direction better by as much; more are no help.
+const MOST_ROWS: f64 = 2.0;
+/// Fewer cartons have no common direction worth the name.
+const LEAST_COMPANY: usize = 4;
 /// What a measured gap may be wrong by, metres.
 const GAP_ERROR: f64 = 0.000_3;
 /// Gaps that are looked at, metres: cartons that seem to overlap by noise, up to where a gap binds nothing.
@@ -43,19 +51,21 @@ pub fn turn_together(boxes: &mut [DetectedBox], lens: &Intrinsics) {
             pairs.extend(pair(boxes, first, second));
         }
     }
-    if pairs.is_empty() {
+    let own: Vec<f64> = boxes.iter().map(|b| own_weight(b, lens)).collect();
+    let layers: Vec<Option<[f64; 2]>> = (0..boxes.len()).map(|n| layer(boxes, n, &own)).collect();
+    if pairs.is_empty() && layers.iter().all(Option::is_none) {
         return;
     }
-    let own: Vec<f64> = boxes
-        .iter()
-        .map(|b| {
-            let pitch = b.camera_from_box.translation.z / lens.fx;
-            (b.size.length / (ENDS_PIXELS * pitch)).powi(2)
-        })
-        .collect();
     let mut turns = vec![0.0; boxes.len()];
     for _ in 0..ROUNDS {
-        let mut sums: Vec<[f64; 2]> = own.iter().map(|weight| [*weight, 0.0]).collect();
+        let mut sums: Vec<[f64; 2]> = own
+            .iter()
+            .zip(&layers)
+            .map(|(weight, layer)| {
+                let [common, towards] = layer.unwrap_or_default();
+                [weight + common, common * towards]
+            })
+            .collect();
         for p in &pairs {
             sums[p.first][0] += p.weight;
             sums[p.first][1] += p.weight * (turns[p.second] + p.turned);
@@ -73,24 +83,65 @@ pub fn turn_together(boxes: &mut [DetectedBox], lens: &Intrinsics) {
     }
 }
 
-/// The two as neighbours, if they are.
-fn pair(boxes: &[DetectedBox], first: usize, second: usize) -> Option<Pair> {
-    let (a, b) = (&boxes[first], &boxes[second]);
+/// Up to quarter turns, radians.
+fn up_to_quarters(angle: f64) -> f64 {
+    (angle + FRAC_PI_4).rem_euclid(FRAC_PI_2) - FRAC_PI_4
+}
+
+/// 1 over the variance of its turn by itself.
+fn own_weight(found: &DetectedBox, lens: &Intrinsics) -> f64 {
+    let pitch = found.camera_from_box.translation.z / lens.fx;
+    let x = found.camera_from_box.rotation * Vector::x();
+    let rows = up_to_quarters(x.y.atan2(x.x)).abs() * found.size.length / pitch;
+    let ends = ENDS_PIXELS * pitch / rows.clamp(1.0, MOST_ROWS);
+    (found.size.length / ends).powi(2)
+}
+
+/// Where the second lies, seen from the first, and by what angle it is turned, if both are level and along the same
+/// axes.
+fn level_with(a: &DetectedBox, b: &DetectedBox) -> Option<(Vector, f64)> {
     let to = a
         .camera_from_box
         .inverse_transform_point(&Point::from(b.camera_from_box.translation.vector));
-    if to.z.abs() > LEVEL {
-        return None;
-    }
     let x = a
         .camera_from_box
         .rotation
         .inverse_transform_vector(&(b.camera_from_box.rotation * Vector::x()));
     let angle = x.y.atan2(x.x);
-    let turned = (angle + FRAC_PI_4).rem_euclid(FRAC_PI_2) - FRAC_PI_4;
-    if turned.abs() > 2.0 * FARTHEST {
+    (to.z.abs() <= LEVEL && up_to_quarters(angle).abs() <= 2.0 * FARTHEST)
+        .then_some((to.coords, angle))
+}
+
+/// What a carton's layer says of its turn: the weight, and how far it is turned from the common direction, radians.
+/// The scatter is that of `DerSimonian` and Laird for measurements of unequal variance, one standard deviation of it
+/// more, since it is known from few.
+fn layer(boxes: &[DetectedBox], carton: usize, own: &[f64]) -> Option<[f64; 2]> {
+    let others: Vec<(f64, f64)> = boxes
+        .iter()
+        .zip(own)
+        .filter_map(|(b, weight)| {
+            let (_, angle) = level_with(&boxes[carton], b)?;
+            Some((up_to_quarters(angle), *weight))
+        })
+        .collect();
+    if others.len() < LEAST_COMPANY {
         return None;
     }
+    let total: f64 = others.iter().map(|o| o.1).sum();
+    let mean = others.iter().map(|o| o.0 * o.1).sum::<f64>() / total;
+    let scattered: f64 = others.iter().map(|o| o.1 * (o.0 - mean).powi(2)).sum();
+    let squares: f64 = others.iter().map(|o| o.1 * o.1).sum();
+    let freedom = (others.len() - 1) as f64;
+    let beyond = (scattered - freedom + (2.0 * freedom).sqrt()).max(0.0);
+    let variance = beyond / (total - squares / total) + 1.0 / total;
+    Some([1.0 / variance, mean])
+}
+
+/// The two as neighbours, if they are.
+fn pair(boxes: &[DetectedBox], first: usize, second: usize) -> Option<Pair> {
+    let (a, b) = (&boxes[first], &boxes[second]);
+    let (to, angle) = level_with(a, b)?;
+    let turned = up_to_quarters(angle);
     let is_across = ((angle - turned) / FRAC_PI_2).round().rem_euclid(2.0) > 0.5;
     let half = |d: &DetectedBox| [d.size.length / 2.0, d.size.width / 2.0];
     let (mine, mut other) = (half(a), half(b));
@@ -168,6 +219,37 @@ mod tests {
             turn_together(&mut boxes, &LENS);
             let after: Vec<f64> = boxes.iter().map(turn_of).collect();
             assert_eq!(before, after);
+        }
+    }
+
+    /// Six cartons too far apart to bind each other.
+    fn apart(turns: [f64; 6]) -> Vec<DetectedBox> {
+        let places = turns.iter().enumerate();
+        places
+            .map(|(n, turn)| top(-0.4 + 0.4 * (n % 3) as f64, 0.3 * (n / 3) as f64, *turn))
+            .collect()
+    }
+
+    #[test]
+    fn what_differs_by_no_more_than_its_noise_has_the_common_direction() {
+        let noise = [0.001, -0.001, 0.0005, -0.0005, 0.001, -0.001];
+        let mut boxes = apart(noise);
+        turn_together(&mut boxes, &LENS);
+        for (found, before) in boxes.iter().zip(noise) {
+            let after = turn_of(found);
+            assert!(after.abs() < 0.4 * before.abs(), "{before} became {after}");
+        }
+    }
+
+    /// Cartons that really stand at different angles keep them.
+    #[test]
+    fn what_scatters_much_more_is_believed() {
+        let turns = [0.008, -0.008, 0.006, -0.006, 0.008, -0.008];
+        let mut boxes = apart(turns);
+        turn_together(&mut boxes, &LENS);
+        for (found, before) in boxes.iter().zip(turns) {
+            let after = turn_of(found);
+            assert!((after - before).abs() < 0.0006, "{before} became {after}");
         }
     }
 

@@ -28,9 +28,9 @@ const LEAST_TRUE_EDGES: usize = 2;
 const MOST_HIDDEN: f64 = 0.2;
 
 /// A point lies on a side's plane within so many root mean squares of the plane's own residuals,
-const SHARP: f64 = 4.0;
+pub const SHARP: f64 = 4.0;
 /// and at least within this, metres.
-const LEAST_SHARP: f64 = 0.001;
+pub const LEAST_SHARP: f64 = 0.001;
 
 /// What is demanded of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -220,6 +220,33 @@ fn check(
         proven_sides: proven as u32,
     };
     Ok((found, measured))
+}
+
+/// How far from a top's plane its pixels lie at most: more than that, and they show something else. From the noise
+/// in the middle of the top.
+pub fn sharp_tolerance(image: &DepthImage, frame: &PlaneFrame, settings: &VisionSettings) -> f64 {
+    /// Half the side of the square that is looked at, metres, and samples along it.
+    const HALF: f64 = 0.03;
+    const SAMPLES: usize = 12;
+    let (mut squares, mut count) = (0.0, 0.0);
+    for n in 0..SAMPLES * SAMPLES {
+        let at = [n % SAMPLES, n / SAMPLES]
+            .map(|i| ((i as f64 + 0.5) / SAMPLES as f64 - 0.5) * 2.0 * HALF);
+        let (u, v) = image.intrinsics.project(&frame.point(at[0], at[1]));
+        let (u, v) = (u.round(), v.round());
+        let inside = u >= 0.0 && v >= 0.0 && u < image.width as f64 && v < image.height as f64;
+        if !inside {
+            continue;
+        }
+        let z = f64::from(image.depth[v as usize * image.width + u as usize]);
+        let off = z - frame.plane.depth(&image.intrinsics.ray(u, v));
+        if off.abs() <= settings.plane_tolerance {
+            squares += off * off;
+            count += 1.0;
+        }
+    }
+    let rms = (squares / f64::max(count, 1.0)).sqrt();
+    settings.plane_tolerance.min((SHARP * rms).max(LEAST_SHARP))
 }
 
 /// Pose with X along the long side, of its two directions the one towards positive camera X; within

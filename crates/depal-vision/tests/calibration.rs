@@ -61,6 +61,7 @@ fn solid(pose: Pose, shape: Shape, id: u32, material: Material) -> RenderShape {
         shape,
         id,
         material,
+        edge_radius: 0.0,
     }
 }
 

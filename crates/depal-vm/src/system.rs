@@ -84,13 +84,6 @@ pub enum MoveZone {
         /// Reorientation distance, radians.
         orientation: f64,
     },
-    /// Between joint moves to joint targets: the corner is a parabola in joint space between the points so far before
-    /// the target and so far behind it. No language of ours asks for it; whoever drives a way of the planner as it was
-    /// planned does. A cabinet without an arm stops there.
-    Blend {
-        /// L2 in joint space, radians.
-        joints: f64,
-    },
 }
 
 /// One motion instruction, language-neutral.

@@ -47,6 +47,7 @@ pub(crate) struct CellReader<'a> {
     source: Source<'a>,
     /// Fields read so far; the first field has place 1.
     read: usize,
+    is_cut_off: bool,
 }
 
 enum Source<'a> {
@@ -68,7 +69,11 @@ impl<'a> CellReader<'a> {
                 big_endian: true,
             },
         };
-        Self { source, read: 0 }
+        Self {
+            source,
+            read: 0,
+            is_cut_off: false,
+        }
     }
 
     /// Fields not yet read; `None` in HEX, where zeros follow for ever.
@@ -129,8 +134,17 @@ impl<'a> CellReader<'a> {
         }
     }
 
-    /// The next `N` fields as finite reals.
+    /// The next `N` fields as finite reals. A HEX message may end before them, or in their midst if nothing but
+    /// zeros came of them; zeros in place of what is missing of a pose would make another pose.
     pub(crate) fn reals<const N: usize>(&mut self) -> Result<[f64; N], FieldError> {
+        if let Source::Hex { bytes, .. } = &self.source {
+            let begun = bytes.get(4 * self.read..).unwrap_or_default();
+            if begun.len() < 4 * N && begun.iter().any(|byte| *byte != 0) {
+                self.is_cut_off = true;
+                let place = self.read + begun.len() / 4 + 1;
+                return Err(FieldError::Missing { place });
+            }
+        }
         let mut values = [0.0; N];
         for value in &mut values {
             *value = self.real()?;
@@ -148,6 +162,11 @@ impl<'a> CellReader<'a> {
         let text = (*text.ok_or(FieldError::Missing { place })?).to_owned();
         self.read += 1;
         Ok(text)
+    }
+
+    /// Whether a row of reals was begun and is not there to its end. Never in ASCII.
+    pub(crate) fn is_cut_off(&self) -> bool {
+        self.is_cut_off
     }
 
     /// All fields have been read. Always true in HEX.

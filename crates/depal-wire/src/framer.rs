@@ -8,14 +8,17 @@ use crate::{Encoding, Request};
 pub const LINE_SILENCE: SimDuration = SimDuration::from_millis(50);
 /// A HEX request that is shorter than expected is complete after this silence.
 pub const HEX_SILENCE: SimDuration = SimDuration::from_millis(20);
-/// Bytes that are too few for any HEX request are thrown away after this silence: some robots send a request in
-/// many small writes, and a busy computer puts pauses between them.
+/// Bytes that are too few for any HEX request are thrown away after this silence, and one that ends in the midst of
+/// a pose is given out as it is: some robots send a request in many small writes, and a busy computer puts pauses
+/// between them.
 pub const SCRAP_SILENCE: SimDuration = SimDuration::from_millis(100);
 /// Longest ASCII command, bytes; a longer one is an attack or another protocol.
 pub const MAX_LINE: usize = 4096;
 
 /// Shortest HEX request, bytes: 14 cells, as up to version 1.5.
 const SHORTEST_HEX: usize = 56;
+/// What all commands fit into: 16 cells.
+const FULL_HEX: usize = 64;
 /// A KUKA request, always as long as the reply.
 const LONGEST_HEX: usize = 660;
 
@@ -38,12 +41,18 @@ pub enum Frame {
 /// HEX has no terminator. The length is latched by the first burst of a connection: 56, 64 or 660
 /// bytes, or 64 plus a few that are ignored. Until then a request needs [`HEX_SILENCE`] to end.
 /// Later requests end with the latched length at once.
+///
+/// A robot may pause within a request for longer than that. Then the rest is padding, for a request that ends in the
+/// midst of a pose is waited for. When it comes it is dropped, as no command begins with zeros, and the length that
+/// the request has with it is latched.
 #[derive(Debug, Clone)]
 pub struct Framer {
     /// Unknown while a detecting framer has not seen enough.
     encoding: Option<Encoding>,
     default_hex_len: usize,
     latched_hex_len: Option<usize>,
+    /// Bytes of the last HEX request as far as they came, if more of them may follow.
+    may_grow: Option<usize>,
     buffer: Vec<u8>,
     last_byte_at: SimTime,
 }
@@ -55,6 +64,7 @@ impl Framer {
             encoding: Some(encoding),
             default_hex_len: hex_request_len.clamp(SHORTEST_HEX, LONGEST_HEX),
             latched_hex_len: None,
+            may_grow: None,
             buffer: Vec::new(),
             last_byte_at: SimTime::ZERO,
         }
@@ -134,7 +144,7 @@ impl Framer {
     fn silence(&self) -> SimDuration {
         match self.encoding {
             Some(Encoding::Ascii) => LINE_SILENCE,
-            Some(_) if self.buffer.len() >= SHORTEST_HEX => HEX_SILENCE,
+            Some(_) if self.buffer.len() >= SHORTEST_HEX && !self.is_cut_off() => HEX_SILENCE,
             // Three bytes at most while the encoding is not known.
             _ => SCRAP_SILENCE,
         }
@@ -171,20 +181,69 @@ impl Framer {
         if self.buffer.is_empty() {
             return None;
         }
+        let padding = self.late_padding();
+        if padding > 0 {
+            return Some(self.drop_padding(padding));
+        }
         let silent = self.is_silent(now);
-        if self.latched_hex_len.is_none() {
+        let is_first = self.latched_hex_len.is_none();
+        if is_first {
             let burst_is_over = silent && self.buffer.len() >= SHORTEST_HEX;
             if !burst_is_over && self.buffer.len() < LONGEST_HEX {
                 return self.drop_scrap(silent);
             }
             self.latched_hex_len = Some(self.length_of_first_burst());
         }
-        let length = self.latched_hex_len.unwrap_or(self.default_hex_len);
+        let mut length = self.latched_hex_len.unwrap_or(self.default_hex_len);
+        if length < FULL_HEX && self.is_cut_off() {
+            length = FULL_HEX;
+        }
         if self.buffer.len() >= length || (silent && self.buffer.len() >= SHORTEST_HEX) {
             let take = length.min(self.buffer.len());
+            let is_whole = take == length && take >= FULL_HEX && !is_first;
+            self.may_grow = (!is_whole).then_some(take);
             return Some(Frame::Request(self.buffer.drain(..take).collect()));
         }
         self.drop_scrap(silent)
+    }
+
+    /// Whether the next request would end in the midst of a pose, were it as long as latched, or over now.
+    fn is_cut_off(&self) -> bool {
+        let latched = self.latched_hex_len.unwrap_or(LONGEST_HEX);
+        let head = &self.buffer[..self.buffer.len().min(latched)];
+        head.len() < FULL_HEX
+            && self
+                .encoding
+                .is_some_and(|encoding| Request::is_cut_off(encoding, head))
+    }
+
+    /// Bytes at the front that still belong to the request before: zeros, except those with which the number of
+    /// a command begins.
+    fn late_padding(&self) -> usize {
+        let Some(length) = self.may_grow else {
+            return 0;
+        };
+        let zeros = self.buffer.iter().take_while(|b| **b == 0).count();
+        let is_big = self.encoding == Some(Encoding::HexBigEndian);
+        let own = match self.buffer.get(zeros) {
+            _ if !is_big => 0,
+            Some(1..=3) => 2,
+            _ => 3,
+        };
+        let most = LONGEST_HEX.saturating_sub(length);
+        zeros.saturating_sub(own).min(most)
+    }
+
+    /// What comes late is a part of its request, and shows how long that is.
+    fn drop_padding(&mut self, count: usize) -> Frame {
+        self.buffer.drain(..count);
+        if let Some(length) = &mut self.may_grow {
+            *length += count;
+            if matches!(*length, FULL_HEX | LONGEST_HEX) {
+                self.latched_hex_len = Some(*length);
+            }
+        }
+        Frame::Dropped(count)
     }
 
     /// Too few bytes for a request, and nothing follows.
@@ -193,6 +252,9 @@ impl Framer {
             return None;
         }
         let dropped = self.buffer.len();
+        if self.buffer.iter().all(|b| *b == 0) {
+            return Some(self.drop_padding(dropped));
+        }
         self.buffer.clear();
         Some(Frame::Dropped(dropped))
     }
@@ -205,6 +267,8 @@ impl Framer {
                 .all(|b| *b == 0);
         if padded_to_longest {
             LONGEST_HEX
+        } else if self.is_cut_off() {
+            FULL_HEX
         } else if length == SHORTEST_HEX
             || (length > self.default_hex_len && length < 2 * SHORTEST_HEX)
         {

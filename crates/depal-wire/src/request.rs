@@ -177,6 +177,14 @@ impl Request {
         })
     }
 
+    /// Whether a HEX frame ends in the midst of a pose that its command takes.
+    pub(crate) fn is_cut_off(encoding: Encoding, frame: &[u8]) -> bool {
+        let mut cells = CellReader::new(encoding, frame);
+        let code = cells.int().unwrap_or_default();
+        let _ = Self::decode_body(code, &mut cells);
+        cells.is_cut_off()
+    }
+
     /// The bytes that a robot sends.
     pub fn encode(&self, encoding: Encoding, profile: &Profile) -> Vec<u8> {
         let mut cells = CellWriter::default();

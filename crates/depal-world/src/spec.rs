@@ -33,10 +33,13 @@ pub struct WorldSpec {
     pub fixed: Vec<FixedBody>,
     /// Belts.
     pub conveyors: Vec<ConveyorSpec>,
+    /// Radius of the cartons' edges as a camera sees them, m. Contacts are those of sharp boxes: a carton
+    /// rests on its faces, and a fold gives way where a rounded solid would not.
+    pub carton_edge_radius: f64,
 }
 
 impl Default for WorldSpec {
-    /// An empty world: 4 ms steps of four parts, contacts at 120 and 240 Hz,
+    /// An empty world: 4 ms steps of four parts, contacts at 120 and 240 Hz, cartons with sharp edges,
     /// a collision is 500 N on the arm, 250 N on a held carton or 2 kN downwards, for 20 ms.
     fn default() -> Self {
         Self {
@@ -52,6 +55,7 @@ impl Default for WorldSpec {
             collision_span: SimDuration::from_millis(20),
             fixed: Vec::new(),
             conveyors: Vec::new(),
+            carton_edge_radius: 0.0,
         }
     }
 }

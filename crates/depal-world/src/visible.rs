@@ -15,6 +15,8 @@ pub struct VisibleShape {
     pub kind: VisibleKind,
     /// Pose in the world frame, and solid.
     pub shape: PlacedShape,
+    /// Radius of a box's edges, m; 0 = sharp.
+    pub edge_radius: f64,
 }
 
 /// What a visible solid belongs to.
@@ -47,6 +49,7 @@ impl World {
                     carton.world_from_centre,
                     carton.size.half_extents() * 2.0,
                 ),
+                edge_radius: self.spec.carton_edge_radius,
             })
             .collect();
         let mut next = SCENERY;
@@ -57,6 +60,7 @@ impl World {
                     id: next,
                     kind,
                     shape,
+                    edge_radius: 0.0,
                 });
             }
             next += 1;

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use depal_frames::{BoxSize, DepthFrame};
-use depal_vision::{DetectedBox, VisionSettings};
+use depal_vision::{DetectedBox, Detection, RejectReason, VisionSettings};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -22,7 +22,7 @@ pub struct DetectArgs {
     #[arg(long, value_name = "FILE.json")]
     intrinsics: PathBuf,
     /// A known carton size in mm, as in 400x300x250; may be given many times. Without it, sizes are measured.
-    #[arg(long = "box", value_name = "LxWxH")]
+    #[arg(long = "box", value_name = "LxWxH", allow_hyphen_values = true)]
     boxes: Vec<String>,
     /// One step of the depth image, mm.
     #[arg(long, value_name = "MM", default_value_t = 0.1)]
@@ -83,14 +83,14 @@ pub fn detect(args: &DetectArgs) -> Result<(), Failure> {
             json!({"boxes": boxes, "time_ms": round(time_ms, 1e3)})
         );
     } else {
-        print_for_people(&frame, &detection.boxes, time_ms);
+        print_for_people(&frame, &detection, time_ms);
     }
     Ok(())
 }
 
-fn print_for_people(frame: &DepthFrame, boxes: &[DetectedBox], time_ms: f64) {
-    tell!("{} boxes in {time_ms:.1} ms", boxes.len());
-    for found in boxes {
+fn print_for_people(frame: &DepthFrame, detection: &Detection, time_ms: f64) {
+    tell!("{} boxes in {time_ms:.1} ms", detection.boxes.len());
+    for found in &detection.boxes {
         let at = found.camera_from_box.translation.vector * 1e3;
         let [l, w, _] = found.size.to_mm();
         tell!(
@@ -103,6 +103,32 @@ fn print_for_people(frame: &DepthFrame, boxes: &[DetectedBox], time_ms: f64) {
     }
     if frame.depth.iter().all(|&z| z == 0.0) {
         tell!("no pixel of the depth image is valid");
+    }
+    for refused in &detection.rejected {
+        if let Some(reason) = refusal(refused.reason) {
+            let at = refused.centre_in_camera.coords * 1e3;
+            tell!(
+                "  refused: {:.2} m2 at ({:.0} {:.0} {:.0}) mm: {reason}",
+                refused.area,
+                at.x,
+                at.y,
+                at.z
+            );
+        }
+    }
+}
+
+/// Why a surface was not reported; `None` for what nobody takes for a carton.
+fn refusal(reason: RejectReason) -> Option<&'static str> {
+    match reason {
+        RejectReason::Background => None,
+        RejectReason::Tilted => Some("it leans more than a carton on a pallet does"),
+        RejectReason::NotFlat => Some("it is not flat"),
+        RejectReason::NoKnownSize => Some("no whole carton of a given size fits its outline"),
+        RejectReason::Covered => Some("something lies over it"),
+        RejectReason::Ambiguous => {
+            Some("cartons could lie there in more than one way; an intensity image may tell")
+        }
     }
 }
 

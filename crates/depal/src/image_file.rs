@@ -5,6 +5,7 @@ use std::path::Path;
 
 use depal_frames::Intrinsics;
 use png::{BitDepth, ColorType};
+use serde::Deserialize;
 
 use crate::failure::Failure;
 use crate::false_colour::{Indexed, palette};
@@ -95,26 +96,53 @@ fn encode(
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    std::fs::read(path)
-        .map_err(|error| Failure::Input(format!("cannot read {}: {error}", path.display())))
+    std::fs::read(path).map_err(|error| {
+        let path = path.display();
+        Failure::Input(format!(
+            "cannot read {path}: {error}\nhelp: check the path; depal render --out DIR makes such files to try with"
+        ))
+    })
 }
 
 fn input(path: &Path, reason: &str) -> Failure {
     Failure::Input(format!("{}: {reason}", path.display()))
 }
 
+/// The file's keys as they come: other programs write whole numbers as 1280.0.
+#[derive(Deserialize)]
+struct IntrinsicsFile {
+    width: f64,
+    height: f64,
+    fx: f64,
+    fy: f64,
+    cx: f64,
+    cy: f64,
+}
+
 fn parse_intrinsics(bytes: &[u8]) -> Result<Intrinsics, String> {
-    let intrinsics: Intrinsics = serde_json::from_slice(bytes).map_err(|error| {
+    let file: IntrinsicsFile = serde_json::from_slice(bytes).map_err(|error| {
         format!(
             "{error}\nhelp: expected {{\"width\":1280,\"height\":1024,\"fx\":1216.0,\"fy\":1216.0,\"cx\":639.5,\"cy\":511.5}}, in pixels"
         )
     })?;
-    let i = &intrinsics;
-    for (name, value) in [("width", i.width), ("height", i.height)] {
-        if !(1..=16384).contains(&value) {
-            return Err(format!("{name}: expected 1 to 16384 pixels, found {value}"));
+    let side = |name: &str, value: f64| {
+        if value.fract() == 0.0 && (1.0..=16384.0).contains(&value) {
+            Ok(value as usize)
+        } else {
+            Err(format!(
+                "{name}: expected a whole number of 1 to 16384 pixels, found {value}"
+            ))
         }
-    }
+    };
+    let intrinsics = Intrinsics {
+        width: side("width", file.width)?,
+        height: side("height", file.height)?,
+        fx: file.fx,
+        fy: file.fy,
+        cx: file.cx,
+        cy: file.cy,
+    };
+    let i = &intrinsics;
     if i.width * i.height > MOST_PIXELS {
         return Err(format!(
             "expected at most {MOST_PIXELS} pixels, found {} x {}",
@@ -126,7 +154,7 @@ fn parse_intrinsics(bytes: &[u8]) -> Result<Intrinsics, String> {
         let (low, high) = (0.04 * size.min(1000) as f64, 1e5);
         if !(low..=high).contains(&value) {
             return Err(format!(
-                "{name}: expected {low} to {high} pixels, found {value}; is it in millimetres?"
+                "{name}: expected {low} to {high} pixels, found {value:?}; is it in millimetres?"
             ));
         }
     }
@@ -134,7 +162,7 @@ fn parse_intrinsics(bytes: &[u8]) -> Result<Intrinsics, String> {
         let size = size as f64;
         if !(-size..=2.0 * size).contains(&value) {
             return Err(format!(
-                "{name}: expected about the middle of {size} pixels, found {value}"
+                "{name}: expected about the middle of {size} pixels, found {value:?}"
             ));
         }
     }
@@ -155,7 +183,9 @@ fn decode(
     depth: BitDepth,
     what: &str,
 ) -> Result<Vec<u8>, String> {
-    let broken = |error: png::DecodingError| format!("not a whole PNG image: {error}");
+    let broken = |error: png::DecodingError| {
+        format!("not a whole PNG image: {error}\nhelp: was it copied whole, and is it a PNG?")
+    };
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_limits(png::Limits {
         bytes: 4 * MOST_PIXELS,
@@ -164,14 +194,21 @@ fn decode(
     let info = reader.info();
     if info.color_type != ColorType::Grayscale || info.bit_depth != depth {
         return Err(format!(
-            "expected a {what} image of {} bit grey, found {} bit {:?}",
-            depth as u8, info.bit_depth as u8, info.color_type
+            "expected the {what} image in {} bit grey, found {} bit {}\nhelp: {}",
+            depth as u8,
+            info.bit_depth as u8,
+            colour_name(info.color_type),
+            match depth {
+                BitDepth::Sixteen => "save depth as whole steps of --depth-scale-mm; 0 = invalid",
+                _ => "save it as a grey image of the same size, or leave it out",
+            }
         ));
     }
     let found = (info.width as usize, info.height as usize);
     if found != (intrinsics.width, intrinsics.height) {
         return Err(format!(
-            "expected {} x {} pixels as the intrinsics say, found {} x {}",
+            "expected {} x {} pixels as the intrinsics say, found {} x {}\n\
+             help: give the intrinsics of this image; half the size has half of fx, fy, cx and cy",
             intrinsics.width, intrinsics.height, found.0, found.1
         ));
     }
@@ -180,7 +217,18 @@ fn decode(
         .ok_or_else(|| "the image is too large".to_owned())?;
     let mut pixels = vec![0; size];
     reader.next_frame(&mut pixels).map_err(broken)?;
+    reader.finish().map_err(broken)?;
     Ok(pixels)
+}
+
+fn colour_name(colour: ColorType) -> &'static str {
+    match colour {
+        ColorType::Grayscale => "grey",
+        ColorType::GrayscaleAlpha => "grey with transparency",
+        ColorType::Rgb => "colour",
+        ColorType::Rgba => "colour with transparency",
+        ColorType::Indexed => "indexed colour",
+    }
 }
 
 #[cfg(test)]

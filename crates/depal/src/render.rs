@@ -53,7 +53,7 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
     let spec = scene
         .cell_spec()
         .map_err(|error| Failure::Input(explain(&error)))?;
-    let world = world_at_rest(&spec);
+    let world = spec.world_at_rest();
     let shapes = render_shapes(&world);
 
     // The first picture fetches memory and tables; the others are what a camera does again and again.
@@ -109,33 +109,6 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
         tell!("results      {}", args.out.display());
     }
     Ok(())
-}
-
-/// Cartons settled on their pallet, the arm at its start.
-fn world_at_rest(spec: &CellSpec) -> World {
-    let mut world = World::new(&spec.world);
-    for carton in &spec.cartons {
-        world.add_carton(carton);
-    }
-    let links: Vec<_> = spec
-        .arm
-        .links()
-        .iter()
-        .map(|link| (link.name.clone(), link.collision.clone()))
-        .collect();
-    world.add_arm(&links, &spec.gripper);
-    let start = &spec.controller.start;
-    let world_from_links: Vec<Pose> = spec
-        .arm
-        .base_from_links(start)
-        .iter()
-        .map(|base_from_link| spec.world_from_base * base_from_link)
-        .collect();
-    let world_from_tcp =
-        spec.world_from_base * spec.arm.base_from_flange(start) * spec.gripper.flange_from_tcp;
-    world.set_arm(&world_from_links, &world_from_tcp);
-    world.settle(spec.settle_time);
-    world
 }
 
 /// Where the camera is; one on the flange is where the arm's start has it.

@@ -16,7 +16,17 @@ fn solid(id: u32, shape: Shape, at: [f64; 3], turn: [f64; 3]) -> RenderShape {
         shape,
         id,
         material: Material::KRAFT,
+        edge_radius: 0.0,
     }
+}
+
+/// The cartons of a scene with rounded edges.
+pub fn rounded(scene: &[RenderShape], edge_radius: f64) -> Vec<RenderShape> {
+    let mut scene = scene.to_vec();
+    for item in scene.iter_mut().filter(|item| (10..110).contains(&item.id)) {
+        item.edge_radius = edge_radius;
+    }
+    scene
 }
 
 /// Floor, pallet and 100 cartons.
@@ -136,6 +146,7 @@ pub fn arm() -> (Vec<RenderMesh>, Vec<RenderShape>) {
                 shape,
                 id: 200,
                 material: Material::PAINT,
+                edge_radius: 0.0,
             });
         }
     }

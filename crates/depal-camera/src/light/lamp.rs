@@ -7,7 +7,7 @@ pub(crate) const NOISE_DISTANCE: f32 = 3.0;
 /// Albedo times projector cosine at which the axial noise is as given (brown board, head on).
 const NOISE_SIGNAL: f32 = 0.5;
 /// A weak or strong signal changes the axial noise by no more than these factors.
-const SIGNAL_FACTORS: (f32, f32) = (0.5, 3.0);
+pub(crate) const SIGNAL_FACTORS: (f32, f32) = (0.5, 3.0);
 /// Most that oblique sight adds to the axial noise.
 const MOST_OBLIQUE: f32 = 20.0;
 /// Half of the angle around the mirror direction that is over-exposed, as seen by the half vector.

@@ -3,7 +3,7 @@
 use super::Lighting;
 use super::lamp::Hit;
 use crate::raster::{MIXED, TILE};
-use crate::view::BAND;
+use crate::view::{BAND, Face};
 
 /// A value over a tile: at its first pixel, per column, per row, and per column and row. It is right at
 /// the corners and straight in between, which is right to (16 / f)^2 / 8 of the values that light takes.
@@ -27,6 +27,8 @@ fn bilinear([a, b, c, d]: [f32; 4]) -> Bilinear {
 pub(crate) struct Patch {
     /// False: the tile is not of this kind, and the rest of no meaning.
     pub smooth: bool,
+    /// The tile and what the sensor may look at around it show one face, whatever its light.
+    pub one_face: bool,
     /// Chance to be kept, 0..=4095.
     pub keep: u32,
     /// Change of 1/z from column to column and from row to row, 1/m.
@@ -40,6 +42,7 @@ pub(crate) struct Patch {
 impl Patch {
     pub const ROUGH: Self = Self {
         smooth: false,
+        one_face: false,
         keep: 0,
         slope: [0.0; 2],
         sigma: [0.0; 4],
@@ -56,16 +59,23 @@ impl Patch {
 }
 
 impl Lighting<'_> {
-    /// The patch of a tile that no shadow reaches; [`Patch::ROUGH`] when it is not of that kind.
+    /// The patch of a tile; it is not smooth when it is not of that kind, or when a shadow reaches it.
     #[inline(always)]
-    pub(super) fn patch(&self, column: usize, band: usize, margin: usize) -> Patch {
+    pub(super) fn patch(&self, column: usize, band: usize, margin: usize, reached: bool) -> Patch {
         let r = self.rendering;
         let index = r.tiles[band * r.intrinsics.width.div_ceil(TILE) + column].face;
         if index == MIXED || !self.is_one_face(index, column, band, margin) {
             return Patch::ROUGH;
         }
+        let rough = Patch {
+            one_face: true,
+            ..Patch::ROUGH
+        };
         let face = &r.view.faces[index as usize];
-        let lamp = &self.lamps[face.solid as usize];
+        if !reached || face.round != Face::FLAT {
+            return rough;
+        }
+        let lamp = &self.lamps[self.lamp_of_solid[face.solid as usize] as usize];
         let (k, c1) = self.before(face);
         let i = &r.intrinsics;
         let [nx, ny, nz] = face.normal;
@@ -86,10 +96,11 @@ impl Lighting<'_> {
             good &= (lit.depth > 0.0) & lamp.is_plain(&lit);
         }
         if !good {
-            return Patch::ROUGH;
+            return rough;
         }
         Patch {
             smooth: true,
+            one_face: true,
             keep: lamp.keep,
             slope,
             sigma: bilinear(sigma),
@@ -102,22 +113,27 @@ impl Lighting<'_> {
     fn is_one_face(&self, index: u32, column: usize, band: usize, margin: usize) -> bool {
         let r = self.rendering;
         let (width, height) = (r.intrinsics.width, r.intrinsics.height);
+        let (columns, bands) = (width.div_ceil(TILE), height.div_ceil(BAND));
         let (left, right) = (column * TILE, (column + 1) * TILE);
         let (top, bottom) = (band * BAND, (band + 1) * BAND);
-        let (from, to) = (left.saturating_sub(margin), (right + margin).min(width));
-        let mut others = 0;
-        for v in top.saturating_sub(margin)..(bottom + margin).min(height) {
-            let row = &r.surface[v * width..(v + 1) * width];
-            if (top..bottom).contains(&v) {
-                for surface in row[from..left].iter().chain(&row[right..to]) {
-                    others |= surface ^ index;
+        // Most often the tiles around are known to show nothing else.
+        for b in band.saturating_sub(1)..(band + 2).min(bands) {
+            for c in column.saturating_sub(1)..(column + 2).min(columns) {
+                if r.tiles[b * columns + c].face == index {
+                    continue;
                 }
-            } else {
-                for surface in &row[from..to] {
-                    others |= surface ^ index;
+                let from = (c * TILE).max(left.saturating_sub(margin));
+                let to = ((c + 1) * TILE).min(right + margin).min(width);
+                let first = (b * BAND).max(top.saturating_sub(margin));
+                let end = ((b + 1) * BAND).min(bottom + margin).min(height);
+                for v in first..end {
+                    let row = &r.surface[v * width + from..v * width + to];
+                    if row.iter().any(|surface| *surface != index) {
+                        return false;
+                    }
                 }
             }
         }
-        others == 0
+        true
     }
 }

@@ -5,7 +5,7 @@ use depal_frames::Vector;
 use super::lamp::{Hit, pack};
 use super::{Lighting, Patch};
 use crate::raster::{EMPTY, TILE};
-use crate::row::{chunk, chunk_or};
+use crate::row::{choose, chunk, chunk_or, mask};
 use crate::view::Face;
 
 /// A tile's part of a row of lit pixels.
@@ -21,7 +21,8 @@ pub(crate) struct LitTile<'a> {
 /// On what a pixel lies.
 #[derive(Clone, Copy)]
 struct Surface {
-    solid: u32,
+    /// Index into the lamps, or [`EMPTY`].
+    lamp: u32,
     /// Index into the view's rounds, or [`Face::FLAT`].
     round: u32,
     /// How far its plane lies before the camera and before the projector, metres.
@@ -40,9 +41,10 @@ impl Lighting<'_> {
         let x = chunk(&self.columns, tile * TILE);
         let y = self.y(v);
         let yy = y * y + 1.0;
-        let (mut k, mut c1, mut solid) = ([0.0; TILE], [0.0; TILE], [EMPTY; TILE]);
+        let (mut k, mut c1, mut lamps) = ([0.0; TILE], [0.0; TILE], [EMPTY; TILE]);
         let mut there = self.surface(surface[0]);
-        let mut left = 0_u32;
+        // Every lamp once.
+        let (mut distinct, mut count) = ([there.lamp; TILE], usize::from(there.lamp != EMPTY));
         let mut others = 0;
         for n in 0..TILE {
             others |= surface[n] ^ surface[0];
@@ -50,41 +52,40 @@ impl Lighting<'_> {
         let one = (others == 0) & (there.round == Face::FLAT);
         if one {
             (k, c1) = ([there.before.0; TILE], [there.before.1; TILE]);
-            solid = [there.solid; TILE];
-            left = if there.solid == EMPTY { 0 } else { 0xffff };
+            lamps = [there.lamp; TILE];
         }
         for n in 0..if one { 0 } else { TILE } {
             if n > 0 && surface[n] != surface[n - 1] {
                 there = self.surface(surface[n]);
+                let known = there.lamp == EMPTY || distinct[..count].contains(&there.lamp);
+                if !known {
+                    distinct[count] = there.lamp;
+                    count += 1;
+                }
             }
             if there.round != Face::FLAT {
                 there.before = self.before_round(there.round, w[n], x[n], y);
             }
-            solid[n] = there.solid;
+            lamps[n] = there.lamp;
             (k[n], c1[n]) = there.before;
-            left |= u32::from(there.solid != EMPTY) << n;
         }
+        // What is hidden is dark below, whatever shines.
+        let all_hidden = shade == u16::MAX;
         // Arrays of their own: of the buffers the compiler does not know that they are not the lamp's.
         let (mut depth, mut packed, mut grey) = ([0.0; TILE], [0; TILE], [0.0; TILE]);
-        while left != 0 {
-            let own = solid[left.trailing_zeros() as usize];
+        for &own in &distinct[..if all_hidden { 0 } else { count }] {
             let lamp = self.lamps[own as usize];
-            let mut mine = 0;
             for n in 0..TILE {
                 let (w, x, k, c1) = (w[n], x[n], k[n], c1[n]);
                 let mut lit = lamp.shine(Hit { w, x, yy, k, c1 });
                 let word = pack(lit.sigma, lamp.take_grazing(&mut lit));
-                let same = solid[n] == own;
+                let same = lamps[n] == own;
                 depth[n] = if same { lit.depth } else { depth[n] };
                 packed[n] = if same { word } else { packed[n] };
                 grey[n] = if same { lit.grey } else { grey[n] };
             }
-            for n in 0..TILE {
-                mine |= u32::from(solid[n] == own) << n;
-            }
-            left &= !mine;
             if lamp.gloss > 0.0 {
-                for n in (0..TILE).filter(|n| solid[*n] == own) {
+                for n in (0..TILE).filter(|n| lamps[*n] == own) {
                     let (w, x, k, c1) = (w[n], x[n], k[n], c1[n]);
                     if lamp.is_over_exposed(Hit { w, x, yy, k, c1 }) {
                         if !self.spec.sensor.hdr {
@@ -95,12 +96,21 @@ impl Lighting<'_> {
                 }
             }
         }
-        let mut hidden = shade;
-        while hidden != 0 {
-            let n = hidden.trailing_zeros() as usize;
-            hidden &= hidden - 1;
-            depth[n] = 0.0;
-            grey[n] = self.lamps[solid[n] as usize].ambient_grey;
+        if shade != 0 {
+            let (mut ambient, mut hidden) = ([0_u32; TILE], [0; TILE]);
+            for own in &distinct[..count] {
+                let level = self.lamps[*own as usize].ambient_grey.to_bits();
+                for n in 0..TILE {
+                    ambient[n] |= level & mask(lamps[n] == *own);
+                }
+            }
+            for n in 0..TILE {
+                hidden[n] = mask(u32::from(shade) & (1 << n) != 0);
+            }
+            for n in 0..TILE {
+                depth[n] = f32::from_bits(depth[n].to_bits() & !hidden[n]);
+                grey[n] = f32::from_bits(choose(hidden[n], ambient[n], grey[n].to_bits()));
+            }
         }
         (*out.depth, *out.packed, *out.grey) = (depth, packed, grey);
     }
@@ -132,14 +142,14 @@ impl Lighting<'_> {
     fn surface(&self, index: u32) -> Surface {
         if index == EMPTY {
             return Surface {
-                solid: EMPTY,
+                lamp: EMPTY,
                 round: Face::FLAT,
                 before: (0.0, 0.0),
             };
         }
         let face = &self.rendering.view.faces[index as usize];
         Surface {
-            solid: face.solid,
+            lamp: self.lamp_of_solid[face.solid as usize],
             round: face.round,
             before: self.before(face),
         }

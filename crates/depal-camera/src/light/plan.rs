@@ -135,9 +135,7 @@ impl pulp::WithSimd for PlanJob<'_> {
         }
         for (column, patch) in self.patches.iter_mut().enumerate() {
             let reached = self.projector.is_none() || self.strip.is_reached(column);
-            if reached {
-                *patch = self.lighting.patch(column, self.band, self.margin);
-            }
+            *patch = self.lighting.patch(column, self.band, self.margin, reached);
         }
     }
 }

@@ -95,8 +95,7 @@ impl<'a> Projector<'a> {
             if tile.most == 0.0 {
                 continue;
             }
-            // What is nearer than this stands more than the least depth before some point.
-            let least = tile.least / (1.0 - SHADOW_DEPTH * tile.least).max(1e-6);
+            let least = least_that_hides(tile);
             for target in &mut strip.tiles[tiles_of(*columns, first_column)] {
                 target.seen.least = target.seen.least.min(least);
                 target.spared = match target.spared {
@@ -126,10 +125,15 @@ impl<'a> Projector<'a> {
                 continue;
             }
             let range = tiles_of(strip.columns[column], first_column);
-            let harmless = |solid: u32| solid == EMPTY || (solid == tile.solid && solid != MIXED);
+            // Nothing there, nothing but the tile's own solid, or nothing near enough to hide any of it.
+            let least = least_that_hides(tile);
+            let harmless = |there: &Seen| {
+                let solid = there.solid;
+                solid == EMPTY || (solid == tile.solid && solid != MIXED) || there.most <= least
+            };
             if target.tiles[range.clone()]
                 .iter()
-                .all(|t| harmless(t.seen.solid))
+                .all(|t| harmless(&t.seen))
             {
                 continue;
             }
@@ -204,18 +208,26 @@ impl<'a> Projector<'a> {
             bits[k] = u32::from(hides) << k;
         }
         let mut hidden = bits.iter().fold(0, |all, bit| all | bit) as u16;
-        let mut left = hidden;
+        let (mut left, mut last) = (hidden, (EMPTY, EMPTY, false));
         while left != 0 {
             let k = left.trailing_zeros() as usize;
             left &= left - 1;
-            let before = target.surface[strip.start + places[k] as usize] as usize;
-            let own = r.surface[at + k] as usize;
-            if self.view.faces[before].solid == r.view.faces[own].solid {
-                hidden &= !(1 << k);
+            let before = target.surface[strip.start + places[k] as usize];
+            let own = r.surface[at + k];
+            if (before, own) != (last.0, last.1) {
+                let solid = self.view.faces[before as usize].solid;
+                last = (before, own, solid == r.view.faces[own as usize].solid);
             }
+            hidden &= !(u16::from(last.2) << k);
         }
         hidden
     }
+}
+
+/// What is nearer than this 1/z stands more than the least depth before some point of a tile.
+#[inline(always)]
+fn least_that_hides(tile: &Seen) -> f32 {
+    tile.least / (1.0 - SHADOW_DEPTH * tile.least).max(1e-6)
 }
 
 /// Tiles of the projector's picture that hold columns `from..=to`.

@@ -1,6 +1,7 @@
 //! Planes within spans.
 
 use super::{Surface, TILE, Target};
+use crate::row::{choose, mask};
 use crate::view::{BAND, Drawable, FlatSpan};
 
 /// Columns `from[r]..to[r]` of each row of a target, counted from its first column.
@@ -55,6 +56,25 @@ impl Target<'_> {
         let Some((first, last)) = self.columns(drawable, surface) else {
             return;
         };
+        let spans = self.sides(drawable, flat, (first, last));
+        let ramp = Ramp {
+            corner: flat.at_origin
+                + flat.per_row * self.first_row as f64
+                + flat.per_column * f64::from(self.first_column),
+            per_column: flat.per_column,
+            per_row: flat.per_row,
+        };
+        self.flat(&spans, &ramp, surface);
+    }
+
+    /// Columns `first..=last` within the sides of a polygon.
+    #[inline(always)]
+    pub(super) fn sides(
+        &self,
+        drawable: &Drawable,
+        flat: &FlatSpan,
+        (first, last): (f64, f64),
+    ) -> Spans {
         let (left, count) = (flat.left_sides as usize, flat.side_count as usize);
         let (mut lo, mut hi) = ([first; BAND], [last; BAND]);
         let mut y = [0.0; BAND];
@@ -74,15 +94,7 @@ impl Target<'_> {
             }
         }
         let origin = f64::from(self.first_column);
-        let spans = Spans::within(&lo, &hi, origin, &self.rows_of(drawable));
-        let ramp = Ramp {
-            corner: flat.at_origin
-                + flat.per_row * self.first_row as f64
-                + flat.per_column * f64::from(self.first_column),
-            per_column: flat.per_column,
-            per_row: flat.per_row,
-        };
-        self.flat(&spans, &ramp, surface);
+        Spans::within(&lo, &hi, origin, &self.rows_of(drawable))
     }
 
     /// Draws a plane within spans.
@@ -194,12 +206,7 @@ impl Target<'_> {
                 *depths = steps.map(|step| base + step);
                 *surfaces = [index; TILE];
             } else {
-                for k in 0..TILE {
-                    let w = base + steps[k];
-                    let nearer = w > depths[k];
-                    depths[k] = if nearer { w } else { depths[k] };
-                    surfaces[k] = if nearer { index } else { surfaces[k] };
-                }
+                put_nearer(depths, surfaces, base, steps, index, &[u32::MAX; TILE]);
             }
         }
     }
@@ -231,12 +238,37 @@ impl Target<'_> {
             return;
         };
         let (from, to) = (from as i32, to as i32);
+        let mut inside = [0; TILE];
         for k in 0..TILE {
             let lane = k as i32;
-            let w = base + steps[k];
-            let nearer = (lane >= from) & (lane < to) & (w > depths[k]);
-            depths[k] = if nearer { w } else { depths[k] };
-            surfaces[k] = if nearer { index } else { surfaces[k] };
+            inside[k] = mask(lane >= from) & mask(lane < to);
         }
+        put_nearer(depths, surfaces, base, steps, index, &inside);
+    }
+}
+
+/// Draws a plane over the pixels of one row of a tile where `inside` is set and nothing nearer is.
+#[inline(always)]
+fn put_nearer(
+    depths: &mut [f32; TILE],
+    surfaces: &mut [u32; TILE],
+    base: f32,
+    steps: &[f32; TILE],
+    index: u32,
+    inside: &[u32; TILE],
+) {
+    let (mut own, mut nearer) = ([0.0; TILE], [0; TILE]);
+    for k in 0..TILE {
+        own[k] = base + steps[k];
+    }
+    for k in 0..TILE {
+        nearer[k] = mask(own[k] > depths[k]) & inside[k];
+    }
+    for k in 0..TILE {
+        let (own, before) = (own[k].to_bits(), depths[k].to_bits());
+        depths[k] = f32::from_bits(choose(nearer[k], own, before));
+    }
+    for k in 0..TILE {
+        surfaces[k] = choose(nearer[k], index, surfaces[k]);
     }
 }

@@ -3,10 +3,12 @@
 //! 1/z of a plane is affine in the pixel, its sides are straight lines, and the outline of a sphere,
 //! a cylinder or a disk is the sign of a quadratic along a row, so every row of a surface is a span
 //! in closed form. Sides are planes through the eye (homogeneous edge functions, Olano and Greer
-//! 1997), which makes clipping at the near plane needless.
+//! 1997), which makes clipping at the near plane needless. A box with rounded edges is drawn as the flat
+//! parts of its faces; only in the rims around them is the ray of each pixel followed.
 
 mod flat;
 mod quadratic;
+mod rim;
 mod round;
 mod tile;
 
@@ -51,6 +53,10 @@ impl Target<'_> {
                     let round = &view.rounds[*round as usize];
                     self.round(&view.grid, drawable, round, &surface);
                 }
+                Outline::Rim(rim) => {
+                    let rim = &view.rims[*rim as usize];
+                    self.rim(view, drawable, rim, &surface);
+                }
             }
         }
     }
@@ -87,19 +93,22 @@ impl Target<'_> {
         first..end.saturating_sub(self.first_row)
     }
 
-    /// The drawable's columns that the target holds, first and last; none when all of them show
-    /// something nearer or need not be drawn.
+    /// The drawable's columns that the target holds, first and last.
     #[inline(always)]
-    fn columns(&self, drawable: &Drawable, surface: &Surface) -> Option<(f64, f64)> {
+    fn held(&self, drawable: &Drawable) -> Option<(i32, i32)> {
         let first = drawable.columns.0.max(self.first_column);
         let last = drawable
             .columns
             .1
             .min(self.first_column + self.width as i32)
             - 1;
-        if first > last {
-            return None;
-        }
+        (first <= last).then_some((first, last))
+    }
+
+    /// The same; none when all of them show something nearer or need not be drawn.
+    #[inline(always)]
+    fn columns(&self, drawable: &Drawable, surface: &Surface) -> Option<(f64, f64)> {
+        let (first, last) = self.held(drawable)?;
         let tile = |column: i32| (column - self.first_column) as usize / TILE;
         let full = self.full_tile();
         let tiles = &self.tiles[tile(first)..=tile(last)];

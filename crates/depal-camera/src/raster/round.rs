@@ -28,6 +28,7 @@ impl Target<'_> {
             Vector::new(-grid.cx / grid.fx, y, 1.0)
         };
         match round {
+            Round::Rounded(_) => {} // drawn as flat faces and their rims
             Round::Disk {
                 normal,
                 plane,

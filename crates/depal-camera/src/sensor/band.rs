@@ -227,7 +227,10 @@ impl<'a> Sensor<'a> {
                     self.look_at_patch(v, tile, patch, row);
                 } else {
                     self.pick_columns(tile, row);
-                    self.blur_steps(v, tile, row);
+                    // Within one face there is no step.
+                    if !patch.one_face {
+                        self.blur_steps(v, tile, row);
+                    }
                     self.blur_grey(v, tile, &scratch.lit, row);
                 }
             }

@@ -4,7 +4,7 @@ use super::band::{LitRows, RowScratch, Sensor};
 use crate::light::{Patch, unpack};
 use crate::noise::draw_steps;
 use crate::raster::TILE;
-use crate::row::{chunk, chunk_mut};
+use crate::row::{choose, chunk, chunk_mut, mask};
 use crate::view::BAND;
 
 impl Sensor<'_> {
@@ -131,9 +131,15 @@ fn pick(
     (from_depth, from_packed): (&[f32; TILE], &[u32; TILE]),
     (depth, packed): (&mut [f32; TILE], &mut [u32; TILE]),
 ) {
+    let mut here = [0; TILE];
     for k in 0..TILE {
-        let here = steps[k] == shift;
-        depth[k] = if here { from_depth[k] } else { depth[k] };
-        packed[k] = if here { from_packed[k] } else { packed[k] };
+        here[k] = mask(steps[k] == shift);
+    }
+    for k in 0..TILE {
+        let (there, own) = (from_depth[k].to_bits(), depth[k].to_bits());
+        depth[k] = f32::from_bits(choose(here[k], there, own));
+    }
+    for k in 0..TILE {
+        packed[k] = choose(here[k], from_packed[k], packed[k]);
     }
 }

@@ -48,17 +48,16 @@ impl Sensor<'_> {
         let a = wide(surfaces(above), from, sa);
         let m = wide(surfaces(v), from, sm);
         let b = wide(surfaces(below), from, sb);
-        let (mut turns, mut border) = ([0; WIDE], [0; TILE]);
-        for k in 0..WIDE {
-            turns[k] = (a[k] ^ m[k]) | (b[k] ^ m[k]);
+        // Pixel k is the middle one of k..k + 3.
+        let mut border = [0; TILE];
+        for row in [a, m, b] {
+            for beside in 0..3 {
+                for k in 0..TILE {
+                    border[k] |= row[k + beside] ^ m[k + 1];
+                }
+            }
         }
-        let mut any = 0;
-        for k in 0..TILE {
-            let across = (m[k] ^ m[k + 1]) | (m[k + 1] ^ m[k + 2]);
-            border[k] = across | turns[k] | turns[k + 1] | turns[k + 2];
-            any |= border[k];
-        }
-        if any == 0 {
+        if border.iter().fold(0, |any, other| any | other) == 0 {
             return 0;
         }
         let mut spare = [[0.0; WIDE]; 3];
@@ -69,16 +68,19 @@ impl Sensor<'_> {
         let b = wide(depths(below), from, sb);
         let least = |a: f32, b: f32| if a < b { a } else { b };
         let most = |a: f32, b: f32| if a > b { a } else { b };
-        let (mut low, mut high) = ([0.0_f32; WIDE], [0.0_f32; WIDE]);
-        for k in 0..WIDE {
-            low[k] = least(least(a[k], b[k]), m[k]);
-            high[k] = most(most(a[k], b[k]), m[k]);
+        let (mut lows, mut highs) = ([f32::INFINITY; TILE], [0.0_f32; TILE]);
+        for row in [a, m, b] {
+            for beside in 0..3 {
+                for k in 0..TILE {
+                    lows[k] = least(row[k + beside], lows[k]);
+                    highs[k] = most(row[k + beside], highs[k]);
+                }
+            }
         }
         let step = self.spec.sensor.step as f32;
         let mut found = [0_u32; TILE];
         for k in 0..TILE {
-            let low = least(least(low[k], low[k + 1]), low[k + 2]);
-            let high = most(most(high[k], high[k + 1]), high[k + 2]);
+            let (low, high) = (lows[k], highs[k]);
             // 1/low - 1/high > step, without the divisions; 1/z = 0 is nothing.
             let far_apart = (low <= 0.0) | (high - low > step * low * high);
             found[k] = u32::from(far_apart & (border[k] != 0)) << k;

@@ -243,7 +243,6 @@ impl System for FakeSystem {
         let zone = match request.zone {
             MoveZone::Fine => "fine".to_owned(),
             MoveZone::Fly { tcp, .. } => format!("fly {:.1}", tcp * 1e3),
-            MoveZone::Blend { joints } => format!("blend {joints:.4}"),
         };
         let speed = match request.kind {
             MoveKind::Joint => format!("{:.2} of the joints", request.speed.joint_fraction),

@@ -1,23 +1,22 @@
 //! The session of the station that a data block talks to.
 
 use std::net::SocketAddr;
-use std::sync::mpsc::Sender;
 
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
-use crate::brain::{Client, ToBrain, Turn};
+use crate::brain::{BrainLink, Client, ToBrain, Turn};
 
 /// One client of the station for the life of the server, whoever reaches the block.
 pub(crate) struct SessionLink {
     client: Client,
-    to_brain: Sender<ToBrain>,
+    to_brain: BrainLink,
     /// Until the first connection.
     sender: Option<UnboundedSender<Turn>>,
     from_brain: UnboundedReceiver<Turn>,
 }
 
 impl SessionLink {
-    pub(crate) fn new(client: Client, to_brain: Sender<ToBrain>) -> Self {
+    pub(crate) fn new(client: Client, to_brain: BrainLink) -> Self {
         let (sender, from_brain) = unbounded_channel();
         Self {
             client,
@@ -31,14 +30,13 @@ impl SessionLink {
     pub(crate) fn open(&mut self, peer: SocketAddr) {
         if let Some(sender) = self.sender.take() {
             // The brain is gone only while the process ends; so below.
-            let _ = self
-                .to_brain
+            self.to_brain
                 .send(ToBrain::Connected(self.client, peer, sender));
         }
     }
 
     pub(crate) fn send(&self, request: Vec<u8>) {
-        let _ = self.to_brain.send(ToBrain::Bytes(self.client, request));
+        self.to_brain.send(ToBrain::Bytes(self.client, request));
     }
 
     /// The next replies; never any before the session is open.

@@ -131,6 +131,42 @@ fn awkward_records_are_answered_and_hurt_nobody() {
     in_parallel(&served, ROWS, LITTLE);
 }
 
+/// Its first 56 bytes are a record, too: of older versions.
+#[test]
+fn the_end_of_a_record_may_come_after_the_reply() {
+    for kind in [LITTLE, Encoding::HexBigEndian] {
+        let served = serve(&Setup {
+            kinds: &[kind],
+            ..Setup::default()
+        });
+        let mut robot = served.client();
+        let mut late = Vec::new();
+        for (command, reply) in [
+            ([901, 0, 0], 1101),
+            ([103, 1, 2], 1107),
+            ([103, 1, 9], 1012),
+            ([203, 1, 9], 2018),
+            ([901, 0, 0], 1101),
+        ] {
+            let request = record(kind, &command, 64);
+            robot.send(&[&late, &request[..56]].concat());
+            assert_eq!(cells(kind, &robot.frame(), 2), [command[0], reply]);
+            late = request[56..].to_vec();
+        }
+        // A flange pose that has lost two of its angles is refused, not completed with zeros.
+        let pose = [500.0, 10.0, 900.0, 180.0, -1.0, 175.0f32].map(|value| value.to_bits() as i32);
+        let request = record(
+            kind,
+            &[&[101, 1, 0, 1, 0, 0, 0, 0, 0, 0], &pose[..]].concat(),
+            64,
+        );
+        robot.send(&[&late, &request[..56]].concat());
+        assert_eq!(cells(kind, &robot.frame(), 2), [101, 3002]);
+        robot.send(&record(kind, &[901], 64));
+        assert_eq!(cells(kind, &robot.frame(), 2), [901, 1101]);
+    }
+}
+
 #[test]
 fn records_on_a_text_port_are_refused() {
     let served = crate::served::ascii();

@@ -120,11 +120,30 @@ fn a_result_outlives_its_connection_and_is_given_once() {
     let served = ascii();
     let mut gone = served.client();
     gone.check(TRIGGER, "101,1102");
-    gone.send(b"102,1\r");
     drop(gone);
     let mut next = served.client();
     assert!(next.ask("102,1").starts_with("102,1100,1,8,"));
     served.client().check("102,1", "102,1002");
+}
+
+/// The run stands at its branch until both have asked, however busy the computer is.
+#[test]
+fn who_left_while_waiting_gives_way_to_the_next_who_waits() {
+    let served = serve(&Setup {
+        set: &[("interface.timeout_s", "60")],
+        ..Setup::default()
+    });
+    let mut gone = served.client();
+    gone.check("201,2,0,-20,10,0,60,0", "201,2103");
+    gone.send(b"205,1\r");
+    drop(gone);
+    let mut next = served.client();
+    next.send(b"205,1\r");
+    assert!(served.has_told("another client waits for the result"));
+    let mut third = served.client();
+    third.check("203,1,2", "203,2105");
+    assert!(next.reply().starts_with("205,2100,1,1,"));
+    third.check("205,1", "205,2022");
 }
 
 #[test]

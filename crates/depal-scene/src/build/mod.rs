@@ -5,6 +5,7 @@ mod calibration;
 mod gripper;
 mod plc;
 mod program;
+mod sensor;
 mod server;
 mod solids;
 mod vision;
@@ -13,7 +14,7 @@ mod workflow;
 use std::sync::Arc;
 
 use depal_arm::{Arm, ArmError};
-use depal_camera::{CameraSpec, Mounting, SensorSpec};
+use depal_camera::{CameraSpec, Mounting};
 use depal_cell::error::CellError;
 use depal_cell::spec::{CellSpec, GripperWiring, Latencies, SectionSignals};
 use depal_controller::{ControllerSpec, SignalSpec};
@@ -24,7 +25,7 @@ use depal_vm::execution::RobotTask;
 use depal_vm::{Diagnostic, SourceFile};
 use depal_world::{CartonSpec, WorldSpec};
 
-use crate::camera::{Camera, CameraMount, SensorPreset};
+use crate::camera::{Camera, CameraMount};
 use crate::gripper::Gripper;
 use crate::interface::WireEncoding;
 use crate::layout::carton_layout;
@@ -153,6 +154,7 @@ impl Scene {
             world: WorldSpec {
                 fixed: solids::fixed_bodies(self),
                 conveyors: vec![solids::conveyor(&self.conveyor)],
+                carton_edge_radius: self.cartons.edge_radius_mm * 1e-3,
                 ..WorldSpec::default()
             },
             cartons: self.carton_specs(),
@@ -275,18 +277,6 @@ fn mounting(camera: &Camera, base_from_world: &Pose) -> (Mounting, Pose) {
 
 fn camera(camera: &Camera) -> Result<CameraSpec, BuildError> {
     let [cx, cy] = camera.principal_point_px();
-    let mut sensor = match camera.sensor {
-        SensorPreset::Laser => SensorSpec {
-            axial_noise: camera.noise_mm * 1e-3,
-            ..SensorSpec::laser_structured_light()
-        },
-        SensorPreset::Laser2m => SensorSpec::laser_2m(),
-        SensorPreset::Laser3m => SensorSpec::laser_3m(),
-        SensorPreset::ActiveStereo => SensorSpec::active_stereo(),
-        SensorPreset::TimeOfFlight => SensorSpec::time_of_flight(),
-        SensorPreset::Ideal => SensorSpec::ideal(),
-    };
-    sensor.blackout = camera.blackout;
     let spec = CameraSpec {
         intrinsics: Intrinsics {
             width: camera.width as usize,
@@ -299,7 +289,7 @@ fn camera(camera: &Camera) -> Result<CameraSpec, BuildError> {
         near: camera.near_mm * 1e-3,
         far: camera.far_mm * 1e-3,
         baseline: camera.baseline_mm * 1e-3,
-        sensor,
+        sensor: sensor::sensor(camera),
     };
     spec.validate().map_err(|error| BuildError::Mismatch {
         key: "camera",

@@ -62,6 +62,11 @@ fn vision_finds_every_carton_of_the_interface_scene() {
             shape: shape.shape,
             id,
             material: Material::KRAFT,
+            edge_radius: if id > 0 {
+                spec.world.carton_edge_radius
+            } else {
+                0.0
+            },
         })
         .collect();
     let world_from_camera = spec.world_from_camera(None);
@@ -95,4 +100,28 @@ fn vision_finds_every_carton_of_the_interface_scene() {
     let settings = spec.projects[&4].settings_from(&spec.base_from_camera(None));
     let empty = detect(&frame, &settings);
     assert_eq!((empty.boxes.len(), empty.points_in_region), (0, 0));
+}
+
+/// What a scene says of the cartons' edges comes to the picture, and to that of nothing else.
+#[test]
+fn the_edges_of_cartons_are_as_round_in_the_picture_as_the_scene_says() {
+    let radii = |overrides: &[(String, String)]| {
+        let scene = Scene::load_file(PATH, overrides, None).unwrap();
+        let spec = scene.cell_spec().unwrap();
+        let mut world = depal_world::World::new(&spec.world);
+        for carton in &spec.cartons {
+            world.add_carton(carton);
+        }
+        let cartons = 1..=spec.cartons.len() as u32;
+        depal_cell::cell::render_shapes(&world)
+            .into_iter()
+            .map(|shape| (cartons.contains(&shape.id), shape.edge_radius))
+            .collect::<Vec<_>>()
+    };
+    let four = radii(&super::sets(&[("cartons.edge_radius_mm", "4")]));
+    assert!(four.iter().any(|(is_carton, _)| *is_carton));
+    for (is_carton, radius) in four {
+        let expected = if is_carton { 0.004 } else { 0.0 };
+        assert!((radius - expected).abs() < 1e-12, "{is_carton} {radius}");
+    }
 }

@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 use super::{DEMO, load};
 
 /// The demo with one line replaced (or put at the end), and what loading it says.
-fn told(found: &str, replacement: &str, overrides: &[(&str, &str)]) -> String {
+pub(super) fn told(found: &str, replacement: &str, overrides: &[(&str, &str)]) -> String {
     let text = if found.is_empty() {
         format!("{DEMO}{replacement}\n")
     } else {
@@ -134,4 +134,24 @@ fn several_syntax_errors_are_all_told() {
     let errors = load("schema = \n[camera\nwidth = = 3\n", &[]).unwrap_err();
     let lines: Vec<usize> = errors.problems.iter().map(|problem| problem.line).collect();
     assert!(lines.contains(&1) && lines.contains(&3), "{errors}");
+}
+
+#[test]
+fn edges_are_no_rounder_than_the_shortest_side_allows() {
+    let message = |overrides: &[(&str, &str)]| {
+        let errors = load(DEMO, overrides).unwrap_err();
+        assert_eq!(errors.problems.len(), 1, "{errors}");
+        assert_eq!(errors.problems[0].key, "cartons.edge_radius_mm");
+        errors.problems[0].message.clone()
+    };
+    for (radius, found) in [("-1", "-1"), ("51", "51")] {
+        let told = message(&[("cartons.edge_radius_mm", radius)]);
+        assert!(told.contains("0 to 50") && told.contains(found), "{told}");
+    }
+    let flat = ("cartons.size_mm", "[400, 300, 30]");
+    assert_eq!(
+        message(&[flat, ("cartons.edge_radius_mm", "16")]),
+        "expected at most 15 (half of the shortest side of a carton), found 16"
+    );
+    assert!(load(DEMO, &[flat, ("cartons.edge_radius_mm", "15")]).is_ok());
 }

@@ -7,6 +7,7 @@ mod interface;
 mod layout;
 mod loading;
 mod mistakes;
+mod sensor;
 
 use std::io;
 

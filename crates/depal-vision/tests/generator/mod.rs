@@ -3,11 +3,11 @@
 //! Cartons lean by some tenths of a degree and stand a millimetre higher or lower.
 #![allow(dead_code)]
 
-use depal_camera::{CameraSpec, Material, RenderShape, SensorSpec};
-use depal_frames::{DepthFrame, Intrinsics, Pose, Vector};
+use depal_camera::{CameraSpec, Material, RenderShape, SensorSpec, render, sense};
+use depal_frames::{DepthFrame, Intrinsics, Point, Pose, Shape, Vector};
 use depal_time::RandomStreams;
 
-use crate::rendered::{Carton, HEIGHT, Layout, block, looking_down, picture, places};
+use crate::rendered::{Carton, HEIGHT, Layout, block, looking_down, places};
 
 /// What is added to the exact depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,8 +101,10 @@ pub fn frame(cartons: &[Carton], noise: Noise, with_intensity: bool, seed: u64) 
         0.0,
         Material::CONCRETE,
     ));
-    let mut frame = picture(&spec, &at(), &shapes, seed);
-    // What of a surface is seen too flat is lost; all that is seen here faces the camera.
+    let rendering = render(&spec, &at(), &shapes);
+    let capture = sense(&spec, &rendering, seed);
+    let mut frame = capture.frame;
+    lose_grazing(&mut frame, &capture.ids, &shapes);
     frame.depth = sensed(&frame.depth, intrinsics.width, noise, seed);
     if !with_intensity {
         frame.intensity = Vec::new();
@@ -110,6 +112,31 @@ pub fn frame(cartons: &[Carton], noise: Noise, with_intensity: bool, seed: u64) 
     frame
 }
 
+/// What is seen under more than 75 degrees is lost: walls inside gaps, unless they stand far from the axis.
+fn lose_grazing(frame: &mut DepthFrame, ids: &[u32], shapes: &[RenderShape]) {
+    let least = 75f64.to_radians().cos();
+    let width = frame.intrinsics.width;
+    for (i, z) in frame.depth.iter_mut().enumerate() {
+        let Some(seen) = shapes.iter().find(|s| s.id == ids[i]) else {
+            continue;
+        };
+        let Shape::Cuboid { half_extents } = seen.shape else {
+            continue;
+        };
+        let ray = frame.intrinsics.ray((i % width) as f64, (i / width) as f64);
+        let shape_from_camera = seen.world_from_shape.inverse() * at();
+        let p = shape_from_camera * Point::from(ray * f64::from(*z));
+        let direction = (shape_from_camera * ray).normalize();
+        // The face on which the point lies.
+        let off = |k: usize| (p[k].abs() - half_extents[k]).abs();
+        let face = (0..3).min_by(|&a, &b| off(a).total_cmp(&off(b)));
+        if face.is_some_and(|k| direction[k].abs() < least) {
+            *z = 0.0;
+        }
+    }
+}
+
+/// The noise of each pixel, on what is left of the `exact` depth.
 fn sensed(exact: &[f32], width: usize, noise: Noise, seed: u64) -> Vec<f32> {
     let height = exact.len() / width;
     let mut r = RandomStreams::new(seed).stream("sensor");
@@ -118,10 +145,10 @@ fn sensed(exact: &[f32], width: usize, noise: Noise, seed: u64) -> Vec<f32> {
         let white: Vec<f32> = soft.iter().map(|_| r.normal(1.0) as f32).collect();
         soft = blurred(&white, width);
     }
-    let mut out = vec![0.0f32; exact.len()];
+    // Each pixel looks a little beside its place.
+    let mut moved = vec![0.0f32; exact.len()];
     for v in 0..height {
         for u in 0..width {
-            let i = v * width + u;
             let near = |at: usize, by: f64, end: usize| {
                 (at as f64 + by).round().clamp(0.0, (end - 1) as f64) as usize
             };
@@ -129,10 +156,17 @@ fn sensed(exact: &[f32], width: usize, noise: Noise, seed: u64) -> Vec<f32> {
                 near(u, 0.3 * r.normal(1.0), width),
                 near(v, 0.3 * r.normal(1.0), height),
             );
-            let mut z = f64::from(exact[sv * width + su]);
+            moved[v * width + u] = exact[sv * width + su];
+        }
+    }
+    let mut out = vec![0.0f32; exact.len()];
+    for v in 0..height {
+        for u in 0..width {
+            let i = v * width + u;
+            let mut z = f64::from(moved[i]);
             let (mut low, mut high) = (f32::MAX, 0.0f32);
             for y in v.saturating_sub(1)..(v + 2).min(height) {
-                for &near in &exact[y * width + u.saturating_sub(1)..y * width + (u + 2).min(width)]
+                for &near in &moved[y * width + u.saturating_sub(1)..y * width + (u + 2).min(width)]
                 {
                     if near > 0.0 {
                         low = low.min(near);

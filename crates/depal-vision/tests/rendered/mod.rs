@@ -35,6 +35,8 @@ pub enum Layout {
     Pinwheel21,
     /// Five rows of four, every other one shifted by half a carton.
     RunningBond20,
+    /// 8 x 6 small cartons.
+    Small48,
 }
 
 impl Layout {
@@ -87,6 +89,9 @@ impl Layout {
                     .chain((0..5).map(|n| [1000.0, 200.0 * f64::from(n), 300.0, 200.0]))
                     .collect()
             }
+            Self::Small48 => (0..6)
+                .flat_map(|j| row(150.0 * f64::from(j), 0.0, 8, 200.0, 150.0))
+                .collect(),
             Self::RunningBond20 => (0..5)
                 .flat_map(|j| {
                     let shift = if j % 2 == 0 { 0.0 } else { 150.0 };
@@ -107,6 +112,7 @@ impl Layout {
                 vec![mm(300.0, 200.0)]
             }
             Self::Brick | Self::Pinwheel => vec![mm(400.0, 300.0)],
+            Self::Small48 => vec![mm(200.0, 150.0)],
             Self::Mixed => vec![mm(400.0, 300.0), mm(300.0, 200.0)],
         }
     }
@@ -207,7 +213,15 @@ pub fn block(
         shape: Shape::cuboid(size[0], size[1], size[2]),
         id,
         material,
+        edge_radius: 0.0,
     }
+}
+
+/// Radius of the cartons' edges, metres: `EDGE_MM` of the environment, so that every test and table can be had
+/// with another one; else 0.
+pub fn edge_radius() -> f64 {
+    let given = std::env::var("EDGE_MM").ok();
+    given.and_then(|mm| mm.parse().ok()).unwrap_or(0.0) * 1e-3
 }
 
 impl Carton {
@@ -220,6 +234,7 @@ impl Carton {
             shape: Shape::cuboid(self.size[0], self.size[1], self.size[2]),
             id,
             material: Material::KRAFT,
+            edge_radius: edge_radius(),
         }
     }
 

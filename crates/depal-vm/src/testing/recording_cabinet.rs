@@ -316,7 +316,6 @@ fn in_words(request: &MoveRequest) -> String {
     let zone = match request.zone {
         MoveZone::Fine => "fine".to_owned(),
         MoveZone::Fly { tcp, .. } => format!("fly {tcp:.4}"),
-        MoveZone::Blend { joints } => format!("blend {joints:.4}"),
     };
     format!(
         "line {} {:?} {target} at {:.3} m/s {zone} tool z {:.3}",

@@ -93,3 +93,83 @@ fn each_single_cut_gives_the_same_requests() {
         }
     }
 }
+
+/// A robot that sends the last bytes of each record late, when it has its reply.
+#[test]
+fn padding_that_comes_late_belongs_to_its_request() {
+    let requests = ["901", "103,1,2", "210,1", "601", "101,1,0,0"];
+    for encoding in &ENCODINGS[1..] {
+        for (length, cut) in [
+            (64, 56),
+            (64, 57),
+            (64, 61),
+            (64, 63),
+            (660, 56),
+            (660, 300),
+        ] {
+            let records: Vec<Vec<u8>> = requests
+                .iter()
+                .map(|text| {
+                    let mut bytes = decode_ascii(text)
+                        .unwrap()
+                        .encode(*encoding, &Profile::v1_8());
+                    bytes.resize(length, 0);
+                    bytes
+                })
+                .collect();
+            let mut pieces: Vec<(u64, &[u8])> = Vec::new();
+            for record in &records {
+                pieces.push((0, &record[..cut]));
+                pieces.push((30, &record[cut..]));
+            }
+            let decoded: Vec<String> = frames_of(*encoding, &pieces)
+                .iter()
+                .filter_map(|frame| match frame {
+                    Frame::Request(bytes) => {
+                        Some(Request::decode(*encoding, bytes).unwrap().text())
+                    }
+                    _ => None,
+                })
+                .collect();
+            let expected = requests.map(|text| decode_ascii(text).unwrap().text());
+            assert_eq!(decoded, expected, "{encoding:?} {length} {cut}");
+        }
+    }
+}
+
+/// Zeros instead of the angles that are still to come would be another pose.
+#[test]
+fn no_request_ends_in_the_midst_of_a_pose() {
+    let text = "101,1,0,1,1,2,3,4,5,6,500,10,900,180,-1,175";
+    for encoding in &ENCODINGS[1..] {
+        let request = decode_ascii(text).unwrap();
+        let bytes = request.encode(*encoding, &Profile::v1_8());
+        let state = decode_ascii("901").unwrap();
+        let state = state.encode(*encoding, &Profile::v1_8());
+        for cut in 56..64 {
+            let (head, tail) = bytes.split_at(cut);
+            let whole = Frame::Request(bytes.clone());
+            // As the first request, and behind one that looked like 56 bytes.
+            assert_eq!(
+                frames_of(*encoding, &[(0, head), (90, tail)]),
+                [whole.clone()]
+            );
+            let pieces = [(0, &state[..56]), (30, head), (90, tail)];
+            let short = Frame::Request(state[..56].to_vec());
+            assert_eq!(frames_of(*encoding, &pieces), [short, whole]);
+            // Nothing is made up if the rest never comes.
+            let frames = frames_of(*encoding, &[(0, head), (101, &state)]);
+            let [Frame::Request(first), Frame::Request(second)] = &frames[..] else {
+                panic!("{frames:?}");
+            };
+            let refusal = Request::decode(*encoding, first).unwrap_err();
+            assert_eq!(refusal.status, Status::WrongFormat, "{}", refusal.reason);
+            assert_eq!(Request::decode(*encoding, second), decode_ascii("901"));
+        }
+        // What a robot of old sends ends behind the joints, and is complete.
+        let request = decode_ascii("101,1,0,1,1,2,3,4,5,6").unwrap();
+        let old = request.encode(*encoding, &Profile::v1_8())[..56].to_vec();
+        let expected = vec![Frame::Request(old.clone()); 2];
+        assert_eq!(frames_of(*encoding, &[(0, &old), (30, &old)]), expected);
+    }
+}

@@ -37,8 +37,7 @@ fn depth_comes_back_to_the_step() {
 fn every_truncation_is_an_error() {
     let i = intrinsics(40, 30);
     let whole = some_depth(&i);
-    // The last 12 bytes are the end mark, which holds nothing.
-    for length in 0..whole.len() - 16 {
+    for length in 0..whole.len() {
         assert!(
             decode_depth(&whole[..length], &i, 1e-4).is_err(),
             "{length}"
@@ -66,7 +65,11 @@ fn wrong_kind_and_size_are_named() {
     let message = decode_depth(&grey, &i, 1e-4).unwrap_err();
     assert!(message.contains("16 bit grey, found 8 bit"), "{message}");
     let colour = colour_png(&i, &[[1, 2, 3]; 1200]).expect("encodes");
-    assert!(decode_depth(&colour, &i, 1e-4).unwrap_err().contains("Rgb"));
+    assert!(
+        decode_depth(&colour, &i, 1e-4)
+            .unwrap_err()
+            .contains("found 8 bit colour")
+    );
     let message = decode_depth(&some_depth(&i), &intrinsics(41, 30), 1e-4).unwrap_err();
     assert!(message.contains("41 x 30"), "{message}");
     assert!(message.contains("found 40 x 30"), "{message}");
@@ -79,10 +82,12 @@ fn senseless_intrinsics_are_named() {
     };
     let parse = |text: String| parse_intrinsics(text.as_bytes());
     assert!(parse(text("20", "90", "9.5")).is_ok());
+    assert_eq!(parse(text("20.0", "90", "9.5")).expect("whole").width, 20);
     for (wrong, name) in [
         (text("0", "90", "9.5"), "width"),
         (text("20000", "90", "9.5"), "width"),
         (text("-3", "90", "9.5"), "-3"),
+        (text("20.5", "90", "9.5"), "20.5"),
         (text("20", "0", "9.5"), "fx"),
         (text("20", "-90", "9.5"), "fx"),
         (text("20", "90", "1e9"), "cx"),

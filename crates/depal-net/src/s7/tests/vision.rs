@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::net::{SocketAddr, TcpListener};
 use std::pin::Pin;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -16,7 +16,7 @@ use depal_interface::{
 use depal_time::{SimDuration, SimTime};
 use tokio::sync::watch;
 
-use crate::brain::{ToBrain, Turn};
+use crate::brain::{BrainLink, Letter, ToBrain, Turn};
 use crate::s7::{PlcAddress, SessionLink, Teller, poll_plc, serve_block};
 use crate::{Limits, Notice};
 
@@ -71,7 +71,7 @@ impl Vision {
         + Send
         + 'static,
     ) -> Self {
-        let (to_brain, messages) = channel();
+        let (to_brain, letters) = BrainLink::new();
         let runs = Arc::new(AtomicUsize::new(0));
         let counter = Arc::clone(&runs);
         let own = plc_port(&PortSettings::default());
@@ -80,7 +80,7 @@ impl Vision {
             profile: own.profile.clone(),
             ..HandshakeSettings::default()
         };
-        thread::spawn(move || brain(&messages, own, &counter));
+        thread::spawn(move || brain(&letters, own, &counter));
         let told: Arc<Mutex<Vec<String>>> = Arc::default();
         let list = Arc::clone(&told);
         let teller = Teller {
@@ -128,7 +128,7 @@ impl Vision {
     }
 }
 
-fn brain(messages: &Receiver<ToBrain>, own: PortSettings, runs: &AtomicUsize) {
+fn brain(letters: &Receiver<Letter>, own: PortSettings, runs: &AtomicUsize) {
     let settings = ServerSettings {
         ports: vec![own],
         ..ServerSettings::default()
@@ -137,9 +137,9 @@ fn brain(messages: &Receiver<ToBrain>, own: PortSettings, runs: &AtomicUsize) {
     let started = Instant::now();
     let mut clients = BTreeMap::new();
     loop {
-        let message = messages.recv_timeout(Duration::from_millis(2));
+        let letter = letters.recv_timeout(Duration::from_millis(2));
         let now = SimTime::from_nanos(started.elapsed().as_nanos() as u64);
-        match message {
+        match letter.map(|letter| letter.message) {
             Ok(ToBrain::Connected((port, id), _, sender)) => {
                 server.handle_connect(now, port, id);
                 clients.insert(id, sender);

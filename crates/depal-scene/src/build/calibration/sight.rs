@@ -103,6 +103,7 @@ impl<'a> Sight<'a> {
             shape: body.shape,
             id: 0,
             material: Material::PAINT,
+            edge_radius: 0.0,
         };
         let mut shapes: Vec<RenderShape> = Vec::new();
         for (link, base_from_link) in cell
