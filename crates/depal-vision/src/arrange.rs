@@ -75,9 +75,27 @@ pub fn arrange(
     }
     // Cartons that are one plane each first: most wrong readings need others, and there are many of those.
     with(true, None).or_else(|| with(false, None)).or_else(|| {
+        if is_one_plane(patch) {
+            return None;
+        }
         let unknown = Unknown::new(image, patch, tolerance);
         with(true, Some(&unknown))
     })
+}
+
+/// True when all heights of a patch make one plane, as those of a pallet or a floor do: nothing proves a carton there.
+fn is_one_plane(patch: &Patch) -> bool {
+    let relief = Relief::new(patch);
+    let all = Candidate {
+        label: 0,
+        turned: false,
+        first: [0, 0],
+        cells: [patch.columns, patch.rows],
+        sides: [0.0; 4],
+        score: 0.0,
+    };
+    let plane = relief.misfit(&[all]);
+    plane.squares < UNLEVEL * relief.noise(1) * plane.blocks as f64
 }
 
 /// `unbroken`: no height break runs through a carton. With `unknown` what is hidden or not measured may be part of cartons; only those are kept whose heights and
@@ -152,11 +170,11 @@ fn arrange_with(
     readings.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
     let best = readings.first()?.clone();
     let breaks = Breaks::new(&relief, relief.noise(1), uneven);
-    if unknown.is_some() {
+    if let Some(unknown) = unknown {
         let all: Vec<Candidate> = best.iter().chain(fixed).copied().collect();
         let boxes: Vec<Candidate> = best
             .iter()
-            .filter(|b| is_proven(b, &all, patch, &breaks))
+            .filter(|b| is_proven(b, &all, patch, &breaks, unknown))
             .filter(|b| {
                 readings[1..]
                     .iter()
@@ -238,9 +256,29 @@ fn arrange_with(
 }
 
 /// True when edges or height breaks show a side along both axes, and none runs through the carton.
-fn is_proven(b: &Candidate, all: &[Candidate], patch: &Patch, breaks: &Breaks) -> bool {
+fn is_proven(
+    b: &Candidate,
+    all: &[Candidate],
+    patch: &Patch,
+    breaks: &Breaks,
+    unknown: &Unknown,
+) -> bool {
+    /// So many cells beyond a side tell what ends there.
+    const BEYOND: isize = 6;
+    let [i0, j0] = b.first.map(|v| v as isize);
+    let (i1, j1) = (i0 + b.cells[0] as isize, j0 + b.cells[1] as isize);
+    // The border of a shadow or of something nearer is none of the carton's.
+    let is_hidden = |side: usize| {
+        let beyond = match side {
+            0 => unknown.share(i0 - BEYOND, j0, i0, j1),
+            1 => unknown.share(i1, j0, i1 + BEYOND, j1),
+            2 => unknown.share(i0, j0 - BEYOND, i1, j0),
+            _ => unknown.share(i0, j1, i1, j1 + BEYOND),
+        };
+        beyond > 0.5
+    };
     let shown = |side: usize| {
-        b.sides[side] >= SEEN_SEAM
+        b.sides[side] >= SEEN_SEAM && !is_hidden(side)
             || all
                 .iter()
                 .any(|o| touches(b, o, side, patch.pitch) && breaks.between(b, o, side))
