@@ -3,7 +3,7 @@
 use depal_frames::BoxSize;
 
 use crate::{
-    breaks::Breaks,
+    breaks::{Breaks, ends_surface},
     cover::{Covering, cover},
     gate::DepthImage,
     ink::dark_sides,
@@ -64,22 +64,33 @@ pub fn arrange(
     beside: &[u32],
     image: &DepthImage,
 ) -> Option<Arrangement> {
-    let with = |unbroken: bool, unknown: Option<&Unknown>| {
+    let with = |fixed: &[Candidate], unbroken: bool, unknown: Option<&Unknown>| {
         arrange_with(
             patch, tolerance, sizes, fixed, beside, image, unbroken, unknown,
         )
     };
     // Where steps are smeared, so are the heights beside them.
     if patch.is_smeared() {
-        return with(false, None);
+        return with(fixed, false, None);
     }
     // Cartons that are one plane each first: most wrong readings need others, and there are many of those.
-    with(true, None).or_else(|| with(false, None)).or_else(|| {
-        if is_one_plane(patch) {
+    let strict = with(fixed, true, None).or_else(|| with(fixed, false, None));
+    if strict.is_some() || is_one_plane(patch) {
+        return strict;
+    }
+    let unknown = Unknown::new(image, patch, tolerance);
+    with(fixed, true, Some(&unknown)).or_else(|| {
+        // What was found by its outline may lie some cells off, or on another plane: the rest is proven without it.
+        if fixed.is_empty() {
             return None;
         }
-        let unknown = Unknown::new(image, patch, tolerance);
-        with(true, Some(&unknown))
+        let mut rest = with(&[], true, Some(&unknown))?;
+        rest.boxes.retain(|b| {
+            fixed
+                .iter()
+                .all(|f| f.overlap(b) < 0.04 && b.overlap(f) < 0.04)
+        });
+        Some(rest)
     })
 }
 
@@ -98,8 +109,8 @@ fn is_one_plane(patch: &Patch) -> bool {
     plane.squares < UNLEVEL * relief.noise(1) * plane.blocks as f64
 }
 
-/// `unbroken`: no height break runs through a carton. With `unknown` what is hidden or not measured may be part of cartons; only those are kept whose heights and
-/// edges prove them.
+/// `unbroken`: no height break runs through a carton. With `unknown` what is hidden or not measured may be part of
+/// cartons; only those are kept whose heights and edges prove them.
 #[allow(clippy::too_many_arguments)]
 fn arrange_with(
     patch: &Patch,
@@ -278,7 +289,7 @@ fn is_proven(
         beyond > 0.5
     };
     let shown = |side: usize| {
-        b.sides[side] >= SEEN_SEAM && !is_hidden(side)
+        b.sides[side] >= SEEN_SEAM && ends_surface(patch, b, side) && !is_hidden(side)
             || all
                 .iter()
                 .any(|o| touches(b, o, side, patch.pitch) && breaks.between(b, o, side))

@@ -116,8 +116,7 @@ impl<'a> Breaks<'a> {
     /// badly for one inside to be seen, or its surface goes on beyond a side without edge or break.
     pub fn refute(&self, patch: &Patch, candidate: &Candidate) -> bool {
         let weakest = candidate.sides.iter().copied().fold(f64::MAX, f64::min);
-        weakest < SEEN_WELL
-            && (self.within(candidate) || without_stripes(patch, candidate) < LEAST_OUTLINE)
+        weakest < SEEN_WELL && (self.within(candidate) || needs_stripes(patch, candidate))
             || (0..4).any(|side| {
                 candidate.sides[side] < 1.0 - NO_EDGE && self.goes_on(patch, candidate, side)
             })
@@ -188,9 +187,9 @@ impl<'a> Breaks<'a> {
     }
 }
 
-/// Number of seen sides that are no border of a stripe without measurement behind which the surface goes on: tape
+/// True when an outline needs the border of a stripe without measurement behind which the surface goes on: tape
 /// ends no carton.
-fn without_stripes(patch: &Patch, candidate: &Candidate) -> usize {
+fn needs_stripes(patch: &Patch, candidate: &Candidate) -> bool {
     /// Widths of a stripe that is no gap, metres.
     const WIDTHS: [f64; 2] = [0.010, 0.060];
     let [narrow, wide] = WIDTHS.map(|w| (w / patch.pitch) as isize);
@@ -199,13 +198,13 @@ fn without_stripes(patch: &Patch, candidate: &Candidate) -> usize {
         i0 + candidate.cells[0] as isize,
         j0 + candidate.cells[1] as isize,
     );
+    let on = |side: usize, d: isize| match side {
+        0 => patch.surface(i0 - d - 2, j0, i0 - d, j1),
+        1 => patch.surface(i1 + d, j0, i1 + d + 2, j1),
+        2 => patch.surface(i0, j0 - d - 2, i1, j0 - d),
+        _ => patch.surface(i0, j1 + d, i1, j1 + d + 2),
+    };
     let is_stripe = |side: usize| {
-        let on = |d: isize| match side {
-            0 => patch.surface(i0 - d - 2, j0, i0 - d, j1),
-            1 => patch.surface(i1 + d, j0, i1 + d + 2, j1),
-            2 => patch.surface(i0, j0 - d - 2, i1, j0 - d),
-            _ => patch.surface(i0, j1 + d, i1, j1 + d + 2),
-        };
         let deep = |d: isize| {
             let at = |v: isize| v.max(0) as usize;
             match side {
@@ -216,22 +215,31 @@ fn without_stripes(patch: &Patch, candidate: &Candidate) -> usize {
             }
         };
         (2..=wide)
-            .find(|&d| on(d) > 0.5)
+            .find(|&d| on(side, d) > 0.5)
             .is_some_and(|d| d >= narrow && deep(d) < 0.02)
     };
-    // A stripe inside the side is the same, seen from across it.
-    let ends_surface = |side: usize| {
-        let on = match side {
-            0 => patch.surface(i0 + 3, j0, i0 + 6, j1),
-            1 => patch.surface(i1 - 6, j0, i1 - 3, j1),
-            2 => patch.surface(i0, j0 + 3, i1, j0 + 6),
-            _ => patch.surface(i0, j1 - 6, i1, j1 - 3),
-        };
-        on > 0.5
+    // The same from across it: the stripe lies inside the side, surface directly beyond.
+    let is_far_border =
+        |side: usize| !ends_surface(patch, candidate, side) && (0..8).any(|d| on(side, d) > 0.5);
+    let stripes = [0, 1, 2, 3].map(|side| is_stripe(side) || is_far_border(side));
+    let plain = (0..4).filter(|&side| candidate.sides[side] >= SEEN && !stripes[side]);
+    stripes.contains(&true) && plain.count() < LEAST_OUTLINE
+}
+
+/// True when there is surface directly inside a side (-X, +X, -Y, +Y): only that can end there.
+pub fn ends_surface(patch: &Patch, candidate: &Candidate, side: usize) -> bool {
+    let [i0, j0] = candidate.first.map(|v| v as isize);
+    let (i1, j1) = (
+        i0 + candidate.cells[0] as isize,
+        j0 + candidate.cells[1] as isize,
+    );
+    let on = match side {
+        0 => patch.surface(i0 + 3, j0, i0 + 6, j1),
+        1 => patch.surface(i1 - 6, j0, i1 - 3, j1),
+        2 => patch.surface(i0, j0 + 3, i1, j0 + 6),
+        _ => patch.surface(i0, j1 - 6, i1, j1 - 3),
     };
-    (0..4)
-        .filter(|&side| candidate.sides[side] >= SEEN && ends_surface(side) && !is_stripe(side))
-        .count()
+    on > 0.5
 }
 
 /// Along an axis first, then across it, as X and Y.
