@@ -6,9 +6,7 @@ use depal_vision::{Detection, RegionOfInterest, VisionSettings, detect};
 use generator::{Noise, at, cartons, frame};
 use rendered::{Carton, HEIGHT, Layout};
 
-#[allow(dead_code)]
 mod generator;
-#[allow(dead_code)]
 mod rendered;
 
 const GAP: f64 = 0.001;
