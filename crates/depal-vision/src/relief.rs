@@ -85,6 +85,10 @@ impl Relief {
 
     fn sums_of(&self, candidate: &Candidate) -> Sums {
         let [i, j] = self.blocks_of(candidate);
+        self.sums_within(&i, &j)
+    }
+
+    fn sums_within(&self, i: &Range<usize>, j: &Range<usize>) -> Sums {
         let at = |i: usize, j: usize| &self.sums[j * (self.columns + 1) + i];
         let (a, b, c, d) = (
             at(i.end, j.end),
@@ -133,6 +137,20 @@ impl Relief {
         }
     }
 
+    /// The plane through the heights of some columns and rows of blocks; `None` of too few.
+    pub fn fit(&self, i: Range<usize>, j: Range<usize>) -> Option<Fit> {
+        let sums = self.sums_within(&i, &j);
+        Some(Fit {
+            plane: plane_of(&sums)?,
+            inverse: normal_of(&sums).try_inverse()?,
+        })
+    }
+
+    /// True when all of some blocks are surface.
+    pub fn is_full(&self, i: Range<usize>, j: Range<usize>) -> bool {
+        self.sums_within(&i, &j)[0] as usize == i.len() * j.len()
+    }
+
     /// Squared distance of each block within a candidate from the candidate's plane, square metres: (place in a
     /// list row by row, square).
     pub fn residuals(&self, candidate: &Candidate) -> Vec<(usize, f64)> {
@@ -153,12 +171,35 @@ impl Relief {
     }
 }
 
+/// A plane fitted to blocks.
+pub struct Fit {
+    plane: Vector3<f64>,
+    inverse: Matrix3<f64>,
+}
+
+impl Fit {
+    /// Height at a place (column, row of blocks), metres.
+    pub fn height(&self, at: [f64; 2]) -> f64 {
+        self.plane.dot(&Vector3::new(1.0, at[0], at[1]))
+    }
+
+    /// Variance of that height in variances of a block.
+    pub fn spread(&self, at: [f64; 2]) -> f64 {
+        let at = Vector3::new(1.0, at[0], at[1]);
+        at.dot(&(self.inverse * at)).max(0.0)
+    }
+}
+
+fn normal_of(&[n, x, y, xx, xy, yy, ..]: &Sums) -> Matrix3<f64> {
+    Matrix3::new(n, x, y, x, xx, xy, y, xy, yy)
+}
+
 /// Height at the origin and per block along both axes; `None` of blocks too few or in a row.
 fn plane_of(sums: &Sums) -> Option<Vector3<f64>> {
-    let &[n, x, y, xx, xy, yy, h, xh, yh, _] = sums;
+    let &[n, .., h, xh, yh, _] = sums;
     if n < 6.0 {
         return None;
     }
-    let factor = Matrix3::new(n, x, y, x, xx, xy, y, xy, yy).cholesky()?;
+    let factor = normal_of(sums).cholesky()?;
     Some(factor.solve(&Vector3::new(h, xh, yh)))
 }

@@ -97,6 +97,13 @@ impl ResampledRow {
         }
     }
 
+    /// 1 where something nearer hides the plane, or nothing was measured.
+    pub fn unknown(&self, tolerance: f32) -> impl Iterator<Item = u8> {
+        self.deeper.iter().map(move |&deeper| {
+            u8::from((deeper == NOTHING) | ((deeper < -tolerance) & (deeper != BEYOND)))
+        })
+    }
+
     /// Takes cells out of the picture: neither surface nor edge.
     pub fn blank(&mut self, cells: std::ops::Range<usize>, edge: &mut [u8]) {
         self.on[cells.clone()].fill(0);

@@ -9,12 +9,14 @@ use crate::{
 };
 
 /// Whether what lies beyond the outer sides of arranged boxes is as deep as they are high: a slip
-/// sheet of the size of a whole layer is covered by cartons as well, but stands on no height.
+/// sheet of the size of a whole layer is covered by cartons as well, but stands on no height. A `plain` surface, that
+/// nothing else tells from a floor, must be seen to stand.
 pub fn stands(
     patch: &Patch,
     image: &DepthImage,
     settings: &VisionSettings,
     boxes: &[Candidate],
+    plain: bool,
 ) -> bool {
     const BEYOND: f64 = 0.020;
     const SAMPLES: usize = 40;
@@ -49,7 +51,7 @@ pub fn stands(
         }
     }
     if drops.len() < ENOUGH || !height.is_finite() {
-        return true;
+        return !plain;
     }
     let high = drops.len() * 9 / 10;
     let drop = *drops.select_nth_unstable_by(high, f64::total_cmp).1;

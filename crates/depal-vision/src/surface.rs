@@ -4,8 +4,9 @@ use depal_frames::{Point, Vector};
 
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
-    arrange::arrange,
+    arrange::{UNEVEN, arrange},
     blank::Blank,
+    breaks::Breaks,
     components::Component,
     cover::uncovered,
     even::is_even,
@@ -15,6 +16,7 @@ use crate::{
     orientation::{main_direction, outline},
     patch::{Grid, Patch, SHARP_RIM, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
+    relief::Relief,
     search::{Candidate, extents, search, sides_with_edges},
     settle::{settle, start_frame},
     stands::stands,
@@ -333,7 +335,13 @@ impl Surface {
         if arrangement.ambiguous {
             rejected.push(self.rejected(RejectReason::Ambiguous));
         }
-        if !stands(&patch, image, settings, &arrangement.boxes) {
+        if !stands(
+            &patch,
+            image,
+            settings,
+            &arrangement.boxes,
+            arrangement.plain,
+        ) {
             rejected.push(self.rejected(RejectReason::NoKnownSize));
             return boxes;
         }
@@ -368,7 +376,7 @@ impl Surface {
         let proven = |b: &DetectedBox| b.proven_sides > 0;
         let all = || arranged.iter().chain(&boxes).chain(beside);
         let around = all().filter(|b| proven(b)).count();
-        let enclosed = arrangement.unique && 2 * around >= all().count();
+        let enclosed = arrangement.each_proven || arrangement.unique && 2 * around >= all().count();
         for found in arranged {
             if proven(&found) || enclosed {
                 boxes.push(found);
@@ -409,7 +417,13 @@ fn outlined(
     rejected: &mut Vec<RejectedSurface>,
 ) -> (Vec<Candidate>, Vec<DetectedBox>) {
     let (mut fixed, mut boxes) = (Vec::new(), Vec::new());
-    for candidate in search(patch, &settings.sizes, settings.min_visible) {
+    let candidates = search(patch, &settings.sizes, settings.min_visible);
+    // Where steps are smeared, heights beside them say nothing.
+    let relief = (!candidates.is_empty() && !patch.is_smeared()).then(|| Relief::new(patch));
+    let breaks = relief
+        .as_ref()
+        .map(|relief| Breaks::new(relief, relief.noise(1), settings.plane_tolerance * UNEVEN));
+    for candidate in candidates {
         let start = start_frame(patch, &candidate);
         match verify(
             image,
@@ -419,11 +433,12 @@ fn outlined(
             candidate.turned,
             Proof::Outline,
         ) {
-            Ok(found) => {
+            Ok(found) if !breaks.as_ref().is_some_and(|b| b.refute(patch, &candidate)) => {
                 boxes.push(found);
                 fixed.push(candidate);
             }
-            Err(reason) => {
+            refused => {
+                let reason = refused.err().unwrap_or(RejectReason::NoKnownSize);
                 let size = settings.sizes[candidate.label as usize];
                 rejected.push(RejectedSurface {
                     reason,
