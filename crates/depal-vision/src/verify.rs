@@ -233,13 +233,16 @@ pub fn sharp_tolerance(image: &DepthImage, frame: &PlaneFrame, settings: &Vision
         let at = [n % SAMPLES, n / SAMPLES]
             .map(|i| ((i as f64 + 0.5) / SAMPLES as f64 - 0.5) * 2.0 * HALF);
         let (u, v) = image.intrinsics.project(&frame.point(at[0], at[1]));
-        let (u, v) = (u.round(), v.round());
+        // Half a pixel added: cutting off rounds to the nearest.
+        let (u, v) = (u + 0.5, v + 0.5);
         let inside = u >= 0.0 && v >= 0.0 && u < image.width as f64 && v < image.height as f64;
         if !inside {
             continue;
         }
+        let (u, v) = (u as i32, v as i32);
         let z = f64::from(image.depth[v as usize * image.width + u as usize]);
-        let off = z - frame.plane.depth(&image.intrinsics.ray(u, v));
+        let ray = image.intrinsics.ray(f64::from(u), f64::from(v));
+        let off = z - frame.plane.depth(&ray);
         if off.abs() <= settings.plane_tolerance {
             squares += off * off;
             count += 1.0;
