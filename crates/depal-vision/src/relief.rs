@@ -33,17 +33,8 @@ pub struct PlaneMisfit {
 impl Relief {
     /// Averages the surface cells of each block.
     pub fn new(patch: &Patch) -> Self {
-        const LEAST: u32 = (BLOCK * BLOCK / 2) as u32;
         let (columns, rows) = (patch.columns / BLOCK, patch.rows / BLOCK);
-        let heights: Vec<Option<f32>> = patch
-            .heights
-            .iter()
-            .enumerate()
-            .map(|(n, sum)| {
-                let count = patch.surface_cells_of_block(n % columns, n / columns);
-                (count >= LEAST).then(|| sum / count as f32)
-            })
-            .collect();
+        let heights = heights_of(patch);
         let mut sums = vec![[0.0; 10]; (columns + 1) * (rows + 1)];
         for j in 0..rows {
             let mut row = [0.0; 10];
@@ -101,21 +92,7 @@ impl Relief {
 
     /// Variance of a block's height by noise, square metres, from how much blocks of a row `lag` apart bend.
     pub fn noise(&self, lag: usize) -> f64 {
-        // Of a - 2 b + c for white noise: six variances; the median of a square is 0.455 of its mean.
-        const PER_MEDIAN: f64 = 1.0 / (6.0 * 0.455);
-        let mut bends: Vec<f64> = Vec::new();
-        for row in self.heights.chunks(self.columns.max(1)) {
-            for w in row.windows(2 * lag + 1) {
-                if let (Some(a), Some(b), Some(c)) = (w[0], w[lag], w[2 * lag]) {
-                    bends.push(f64::from(a - 2.0 * b + c).powi(2));
-                }
-            }
-        }
-        if bends.is_empty() {
-            return 0.0;
-        }
-        let middle = bends.len() / 2;
-        *bends.select_nth_unstable_by(middle, f64::total_cmp).1 * PER_MEDIAN
+        noise_of(&self.heights, self.columns, lag)
     }
 
     /// How badly one plane explains the heights within candidates: over their whole blocks.
@@ -202,4 +179,42 @@ fn plane_of(sums: &Sums) -> Option<Vector3<f64>> {
     }
     let factor = normal_of(sums).cholesky()?;
     Some(factor.solve(&Vector3::new(h, xh, yh)))
+}
+
+/// Mean height of each block over the patch's plane, metres; `None` where little of it is surface.
+fn heights_of(patch: &Patch) -> Vec<Option<f32>> {
+    const LEAST: u32 = (BLOCK * BLOCK / 2) as u32;
+    let columns = patch.columns / BLOCK;
+    patch
+        .heights
+        .iter()
+        .enumerate()
+        .map(|(n, sum)| {
+            let count = patch.surface_cells_of_block(n % columns, n / columns);
+            (count >= LEAST).then(|| sum / count as f32)
+        })
+        .collect()
+}
+
+/// As [`Relief::noise`], for one who needs nothing else of the relief.
+pub fn block_noise(patch: &Patch, lag: usize) -> f64 {
+    noise_of(&heights_of(patch), patch.columns / BLOCK, lag)
+}
+
+fn noise_of(heights: &[Option<f32>], columns: usize, lag: usize) -> f64 {
+    // Of a - 2 b + c for white noise: six variances; the median of a square is 0.455 of its mean.
+    const PER_MEDIAN: f64 = 1.0 / (6.0 * 0.455);
+    let mut bends: Vec<f64> = Vec::new();
+    for row in heights.chunks(columns.max(1)) {
+        for w in row.windows(2 * lag + 1) {
+            if let (Some(a), Some(b), Some(c)) = (w[0], w[lag], w[2 * lag]) {
+                bends.push(f64::from(a - 2.0 * b + c).powi(2));
+            }
+        }
+    }
+    if bends.is_empty() {
+        return 0.0;
+    }
+    let middle = bends.len() / 2;
+    *bends.select_nth_unstable_by(middle, f64::total_cmp).1 * PER_MEDIAN
 }

@@ -28,7 +28,7 @@ const BEYOND: f32 = -1e6;
 /// Floor of a number of 0..2^22, by pushing its fraction out of the mantissa: a plain cast is checked
 /// number by number.
 #[inline(always)]
-fn int(x: f32) -> i32 {
+pub fn int(x: f32) -> i32 {
     const SHIFT: f32 = 8_388_608.0; // 2^23
     let rounded = x + SHIFT;
     let whole = (rounded.to_bits() & 0x007f_ffff) as i32;
