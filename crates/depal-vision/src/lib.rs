@@ -65,6 +65,7 @@
 )]
 
 mod arrange;
+mod beyond;
 mod blank;
 pub mod calibration;
 mod class;
@@ -72,6 +73,7 @@ mod components;
 mod cover;
 mod detect;
 mod detection;
+mod ends;
 mod even;
 mod gate;
 mod ink;
@@ -81,6 +83,7 @@ mod neighbours;
 mod noise;
 mod obstacles;
 mod orientation;
+mod overhang;
 mod patch;
 mod plane;
 mod relief;
