@@ -7,9 +7,9 @@ use crate::{gate::DepthImage, patch::pixel_pitch, plane::PlaneFrame};
 /// What the scan lines across one side meet beyond it, as shares 0..1 of all lines.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Beyond {
-    /// The surface ends: something deeper, a gap, or the foot of a wall close by.
+    /// The surface ends: something deeper, or a gap.
     pub open: f64,
-    /// Something nearer hides where the surface ends.
+    /// Something nearer comes first, or next after what was not measured: where the surface ends is unknown.
     pub hidden: f64,
     /// Part of `open`: what is measured there lies only a little deeper, and stays so.
     pub thin: f64,
@@ -20,10 +20,6 @@ pub const THIN: f64 = 0.015;
 /// A gap between level cartons in which nothing was measured is at most so wide, metres: wider, and it shows its
 /// bottom; then it is a shadow or a strip of glossy tape, and the surface goes on behind it.
 const WIDEST_BLIND_GAP: f64 = 0.015;
-/// A wall stands at most so far behind the surface that ends at it without its gap being seen, metres.
-const WALL: f64 = 0.008;
-/// So much of a top may be hidden and its size still be known, metres.
-const KNOWN: f64 = 0.002;
 /// The longest shadow that is followed, pixels.
 const LONGEST_SHADOW: usize = 300;
 
@@ -88,8 +84,6 @@ struct Look<'a> {
 /// A pixel on the way.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// Column and row.
-    at: (f64, f64),
     /// Measured depth, metres, 0 for none, and that of the plane there.
     z: f64,
     expected: f64,
@@ -104,7 +98,6 @@ impl Look<'_> {
         let inside =
             u >= 0.0 && v >= 0.0 && u < self.image.width as f64 && v < self.image.height as f64;
         inside.then(|| Seen {
-            at: (u, v),
             z: f64::from(self.image.depth[v as usize * self.image.width + u as usize]),
             expected: self.frame.plane.depth(&k.ray(u, v)),
         })
@@ -119,9 +112,6 @@ impl Look<'_> {
             .rev()
             .find(|&s| self.pixel(on_side, f64::from(s)).is_some_and(|p| on(&p)));
         let Some(last) = last.map(f64::from) else {
-            return End::None;
-        };
-        let Some(edge) = self.pixel(on_side, last) else {
             return End::None;
         };
         for n in 1..=LONGEST_SHADOW {
@@ -151,47 +141,25 @@ impl Look<'_> {
                     End::None
                 };
             }
-            if let Some(end) = self.at_taller(on_side, steps, edge) {
-                return end;
+            // It may stand on the surface as well as behind a gap, and throw a shadow on it: from above that looks
+            // the same.
+            if self.is_taller(on_side, steps) {
+                return End::Hidden;
             }
         }
         End::Open { thin: false }
     }
 
-    /// What measures nearer than the plane: does it hide where the surface ends at the pixel `edge`? `None` for a
-    /// lone mixed pixel.
-    fn at_taller(&self, on_side: &Vector, steps: f64, edge: Seen) -> Option<End> {
-        /// Of the next pixels so many must be nearer, too: the middle one of those is no mixed pixel.
+    /// True when what measures nearer than the plane is no lone mixed pixel.
+    fn is_taller(&self, on_side: &Vector, steps: f64) -> bool {
+        /// Of the next pixels so many must be nearer, too.
         const NEXT: usize = 6;
         const LEAST: usize = 3;
-        let mut nearer: Vec<Seen> = (0..NEXT)
+        (0..NEXT)
             .filter_map(|n| self.pixel(on_side, steps + n as f64))
             .filter(|s| s.z > 0.0 && s.z < s.expected - self.tolerance)
-            .collect();
-        if nearer.len() < LEAST {
-            return None;
-        }
-        nearer.sort_by(|a, b| a.z.total_cmp(&b.z));
-        let taller = nearer[nearer.len() / 2];
-        let k = &self.image.intrinsics;
-        let place = |p: Vector| (p - self.frame.origin.coords).dot(&self.outward);
-        // Where its foot is, where the line of sight past it meets the plane, and where the surface was last seen.
-        let foot = place(k.deproject(taller.at.0, taller.at.1, taller.z).coords);
-        let sight = place(
-            self.frame
-                .plane
-                .meet(&k.ray(taller.at.0, taller.at.1))
-                .coords,
-        );
-        let edge = place(self.frame.plane.meet(&k.ray(edge.at.0, edge.at.1)).coords);
-        let unseen = foot - edge - 0.5 * self.pitch;
-        // In front of a wall that the camera sees from the front only the wall's own gap is left unseen.
-        let most = if sight >= foot { WALL } else { KNOWN } + 0.5 * self.pitch;
-        Some(if unseen <= most {
-            End::Open { thin: false }
-        } else {
-            End::Hidden
-        })
+            .count()
+            >= LEAST
     }
 
     /// True when beyond a side, as far as the widest gap, nearly everything is measured, a little deeper.

@@ -89,8 +89,8 @@ fn top(found: &DetectedBox) -> PlaneFrame {
 fn falls_away(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> bool {
     /// Share of a side at which it must be seen to end: noise and lost pixels leave more of any true side.
     const LEAST_OPEN: f64 = 0.6;
-    /// Share of a side that something nearer may hide: less than a carton's corner that no size would show.
-    const MOST_HIDDEN: f64 = 0.1;
+    /// Share of a side that something nearer may hide: the rest says where it is.
+    const MOST_HIDDEN: f64 = 0.2;
     /// So many sides beneath which something lies close by are those of a sheet; at one, a lower carton may
     /// stand without a gap.
     const SHEET: usize = 2;
