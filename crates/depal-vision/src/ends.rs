@@ -5,8 +5,8 @@ use crate::{gate::DepthImage, plane::PlaneFrame};
 /// Of the outermost pixels of a surface a camera loses or mixes up to four in ten, beyond them one in twenty shows it:
 /// where fewer than this share of the pixels are surface it has ended, whatever the camera loses.
 const SHARE: f64 = 1.0 / 3.0;
-/// So many pixels, in the measure of that sum, are chance.
-const A_FEW: f64 = 2.0;
+/// Where six of ten outermost pixels are left, chance takes that sum so far down again once in some thousand sides.
+const A_FEW: f64 = 5.0;
 /// How far inside and beyond a side is looked, pixels: less than a gap that parts two surfaces.
 const WINDOW: [f64; 2] = [-3.0, 1.8];
 /// So wide a line without surface ends it, pixels: what comes then is the neighbour.

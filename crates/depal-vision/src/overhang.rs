@@ -14,12 +14,14 @@ const LEAST_PIXELS: usize = 4;
 
 /// True when something flat stands over a rectangle in a plane once it is put down on it along the normal, wherever
 /// it shows in the image: from aside a corner over the top is seen beyond the outline. Pixels between two depths
-/// (mixed ones, smeared steps) are not flat; a taller neighbour stands outside.
+/// (mixed ones, smeared steps) are not flat; a taller neighbour stands outside. `rim`: how uncertain both edges are
+/// besides where steps were smeared, metres.
 pub fn is_overhung(
     image: &DepthImage,
     frame: &PlaneFrame,
     extents: [f64; 2],
     tolerance: f64,
+    rim: f64,
 ) -> bool {
     /// Pixels left out in a first look.
     const SPARSE: usize = 4;
@@ -31,7 +33,7 @@ pub fn is_overhung(
     }
     let mut flat = 0;
     over.each(1, |z, at| {
-        if over.inside(at, z, MARGIN) && over.is_flat(at, z) {
+        if over.inside(at, z, MARGIN + 2.0 * rim) && over.is_flat(at, z) {
             flat += 1;
         }
     });

@@ -191,7 +191,7 @@ fn check(
         return Err(RejectReason::NoKnownSize);
     }
     let covered = seen.is_covered(image, &fit.frame, extents)
-        || is_overhung(image, &fit.frame, extents, tolerance);
+        || is_overhung(image, &fit.frame, extents, tolerance, rim);
     if covered {
         return Err(RejectReason::Covered);
     }
