@@ -198,7 +198,7 @@ fn a_sheet_is_no_carton() {
                 Material::KRAFT,
             );
             let below = LOW - thickness;
-            let shapes = [
+            [
                 sheet,
                 block(
                     1,
@@ -207,8 +207,7 @@ fn a_sheet_is_no_carton() {
                     0.0,
                     Material::KRAFT,
                 ),
-            ];
-            shapes
+            ]
         };
         let spec = camera(SensorSpec::laser_3m());
         let frame = picture(&spec, &looking_down(LOW + DISTANCE), &at(thickness), seed);
