@@ -71,6 +71,7 @@
 )]
 
 mod arrange;
+mod beyond;
 mod blank;
 mod breaks;
 pub mod calibration;
@@ -79,6 +80,7 @@ mod components;
 mod cover;
 mod detect;
 mod detection;
+mod ends;
 mod even;
 mod gate;
 mod ink;
@@ -89,6 +91,7 @@ mod neighbours;
 mod noise;
 mod obstacles;
 mod orientation;
+mod overhang;
 mod patch;
 mod plane;
 mod relief;

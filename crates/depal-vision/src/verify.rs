@@ -7,6 +7,7 @@ use crate::{
     DetectedBox, RejectReason, VisionSettings,
     class::Class,
     gate::{DepthImage, LEAST_SMEAR},
+    overhang::is_overhung,
     patch::pixel_pitch,
     plane::{PlaneFrame, fit_plane},
     sides::{
@@ -53,7 +54,7 @@ pub fn verify(
 ) -> Result<DetectedBox, RejectReason> {
     let size = settings.sizes[label as usize];
     let extents = crate::search::extents(&size, turned);
-    let (found, _) = check(image, settings, start, extents, proof)?;
+    let (found, ..) = check(image, settings, start, extents, proof)?;
     Ok(DetectedBox {
         size,
         label,
@@ -62,14 +63,15 @@ pub fn verify(
 }
 
 /// The same for a rectangle of unknown size that is about `extents` large; also the sides as
-/// measured, along X and Y of `start`. The height stays 0: one picture from above does not show it.
+/// measured, along X and Y of `start`, and how far from its plane a point of it lies at most, metres. The height
+/// stays 0: one picture from above does not show it.
 pub fn verify_measured(
     image: &DepthImage,
     settings: &VisionSettings,
     start: PlaneFrame,
     extents: [f64; 2],
     proof: Proof,
-) -> Result<(DetectedBox, [f64; 2]), RejectReason> {
+) -> Result<(DetectedBox, [f64; 2], f64), RejectReason> {
     check(image, settings, start, extents, proof)
 }
 
@@ -79,7 +81,7 @@ fn check(
     start: PlaneFrame,
     extents: [f64; 2],
     proof: Proof,
-) -> Result<(DetectedBox, [f64; 2]), RejectReason> {
+) -> Result<(DetectedBox, [f64; 2], f64), RejectReason> {
     let turned = extents[1] > extents[0];
     let tolerance = settings.plane_tolerance;
     let pitch = pixel_pitch(&start, &image.intrinsics);
@@ -188,7 +190,9 @@ fn check(
     if seen.share(Class::Deep) > 0.01 || seen.share(Class::On) < settings.min_visible {
         return Err(RejectReason::NoKnownSize);
     }
-    if seen.is_covered(image, &fit.frame, extents) {
+    let covered = seen.is_covered(image, &fit.frame, extents)
+        || is_overhung(image, &fit.frame, extents, tolerance, rim);
+    if covered {
         return Err(RejectReason::Covered);
     }
     let tilt = (-fit
@@ -219,7 +223,7 @@ fn check(
         visible_fraction,
         proven_sides: proven as u32,
     };
-    Ok((found, measured))
+    Ok((found, measured, sharp))
 }
 
 /// How far from a top's plane its pixels lie at most: more than that, and they show something else. From the noise
