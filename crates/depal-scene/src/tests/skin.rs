@@ -1,0 +1,207 @@
+//! What cartons are covered with, from the word in a scene to what is in the picture and what vision makes of it.
+
+use depal_camera::{Material, RenderShape, capture};
+use depal_cell::cell::render_shapes;
+use depal_cell::skin::CartonSkin;
+use depal_cell::spec::CellSpec;
+use depal_frames::{Point, Pose, Vector};
+use depal_vision::detect;
+use depal_world::World;
+
+use super::mistakes::told;
+use super::{DEMO, sets};
+use crate::*;
+
+const MIXED: &str = include_str!("../../../../scenes/mixed.toml");
+
+fn cell(text: &str, name: &str, overrides: &[(&str, &str)]) -> CellSpec {
+    let name = format!("embedded:scenes/{name}.toml");
+    Scene::load(text, &name, &sets(overrides), None, &read_text)
+        .unwrap_or_else(|errors| panic!("{errors}"))
+        .cell_spec()
+        .unwrap()
+}
+
+fn demo(overrides: &[(&str, &str)]) -> CellSpec {
+    cell(DEMO, "demo", overrides)
+}
+
+fn shapes(spec: &CellSpec) -> Vec<RenderShape> {
+    let mut world = World::new(&spec.world);
+    for carton in &spec.cartons {
+        world.add_carton(carton);
+    }
+    render_shapes(&world, &spec.skins)
+}
+
+#[test]
+fn what_is_wrong_with_the_skin_keys() {
+    let cartons = |text: &str| {
+        let found = "size_mm = [400, 300, 250]";
+        told(found, &format!("{found}\n{text}"), &[])
+    };
+    let pages = [
+        cartons(r#"surface = "fim""#),
+        cartons(r#"surface = "steel""#),
+        cartons(r#"tape = "blak""#),
+        cartons("tape = true"),
+        cartons("tape_width_mm = 0"),
+        cartons("tape = \"black\"\ntape_width_mm = 301"),
+        cartons("label_mm = [100]"),
+        cartons("label_mm = [150, 300]"),
+        cartons("lable_mm = [150, 100]"),
+        told("", "", &[("cartons.tape", "glosy")]),
+    ];
+    insta::assert_snapshot!(pages.join("\n"));
+}
+
+#[test]
+fn without_a_word_every_carton_is_one_solid_of_brown_board() {
+    let spec = demo(&[]);
+    assert_eq!(spec.skins, vec![CartonSkin::default(); spec.cartons.len()]);
+    let cartons = 1..=spec.cartons.len() as u32;
+    let all = shapes(&spec);
+    for id in cartons {
+        let own: Vec<_> = all.iter().filter(|shape| shape.id == id).collect();
+        assert_eq!(own.len(), 1);
+        assert_eq!(own[0].material, Material::KRAFT);
+    }
+}
+
+/// A block has the skin of all cartons but for what it says itself.
+#[test]
+fn a_block_may_be_covered_in_its_own_way() {
+    let blocks = cell(
+        MIXED,
+        "mixed",
+        &[
+            ("cartons.surface", "white"),
+            ("cartons.tape", "glossy"),
+            ("cartons.block.1.tape", "black"),
+            ("cartons.block.1.tape_width_mm", "72"),
+            ("cartons.block.2.surface", "film"),
+            ("cartons.block.2.tape", "none"),
+            ("cartons.block.3.label_mm", "[150, 100]"),
+        ],
+    );
+    let counts = [8, 12, 9, 4];
+    assert_eq!(blocks.skins.len(), counts.iter().sum::<usize>());
+    let mut from = 0;
+    for (block, count) in counts.into_iter().enumerate() {
+        for skin in &blocks.skins[from..from + count] {
+            let tape = skin.tape.map(|tape| (tape.material, tape.width));
+            let expected = match block {
+                1 => Some((Material::BLACK_TAPE, 0.072)),
+                2 => None,
+                _ => Some((Material::GLOSSY_TAPE, 0.05)),
+            };
+            assert_eq!(tape, expected, "block {block}");
+            let board = if block == 2 {
+                Material::FILM
+            } else {
+                Material::LABEL
+            };
+            assert_eq!(skin.board, board, "block {block}");
+            assert_eq!(skin.label.is_some(), block == 3, "block {block}");
+        }
+        from += count;
+    }
+}
+
+#[test]
+fn labels_lie_on_the_flat_of_the_top_and_differ_from_carton_to_carton() {
+    for label in ["[150, 100]", "[370, 25]", "[20, 240]"] {
+        let spec = demo(&[("cartons.label_mm", label), ("cartons.edge_radius_mm", "5")]);
+        let mut places = Vec::new();
+        for skin in &spec.skins {
+            let label = skin.label.unwrap();
+            let (sin, cos) = label.turn.sin_cos();
+            let [a, b] = label.size.map(|side| 0.5 * side);
+            let reach = [a * cos + b * sin.abs(), a * sin.abs() + b * cos];
+            for (axis, half) in [0.195, 0.145].into_iter().enumerate() {
+                assert!(
+                    label.at[axis].abs() + reach[axis] <= half + 1e-12,
+                    "{label:?}"
+                );
+            }
+            assert!(label.turn.abs() <= 5_f64.to_radians());
+            places.push(label.at[1].to_bits());
+        }
+        places.sort_unstable();
+        places.dedup();
+        assert!(places.len() > 40);
+    }
+}
+
+/// The physics knows nothing of what cartons are covered with.
+#[test]
+fn tape_and_label_change_the_picture_alone() {
+    let bare = demo(&[]);
+    let covered = demo(&[
+        ("cartons.tape", "black"),
+        ("cartons.surface", "film"),
+        ("cartons.label_mm", "[150, 100]"),
+    ]);
+    assert_eq!(bare.cartons, covered.cartons);
+    assert_eq!(bare.world, covered.world);
+    assert_eq!(bare.gripper, covered.gripper);
+    assert_ne!(shapes(&bare), shapes(&covered));
+}
+
+/// Found of the top layer, and reports that are no carton's.
+fn found(overrides: &[(&str, &str)]) -> (usize, usize) {
+    let spec = demo(overrides);
+    let world_from_camera = spec.world_from_camera(None);
+    let frame = capture(&spec.camera, &world_from_camera, &shapes(&spec), 1).frame;
+    let settings = spec.projects[&1].settings_from(&spec.base_from_camera(None));
+    let reports: Vec<Pose> = detect(&frame, &settings)
+        .boxes
+        .iter()
+        .map(|report| world_from_camera * report.camera_from_box)
+        .collect();
+    let highest = spec
+        .cartons
+        .iter()
+        .map(|c| c.world_from_centre.translation.z);
+    let highest = highest.fold(0.0, f64::max);
+    let tops: Vec<Pose> = spec
+        .cartons
+        .iter()
+        .filter(|c| c.world_from_centre.translation.z > highest - 0.01)
+        .map(|c| c.world_from_centre * Pose::translation(0.0, 0.0, 0.5 * c.size.height))
+        .collect();
+    let is_at = |report: &Pose, top: &Pose| {
+        // The corners, either way round: within 6 mm.
+        let corner = Point::new(0.2, 0.15, 0.0);
+        let twin = Point::new(-0.2, -0.15, 0.0);
+        let to = |p: &Point| (report * corner - top * p).norm();
+        let centre: Vector = report.translation.vector - top.translation.vector;
+        centre.norm() < 0.005 && to(&corner).min(to(&twin)) < 0.006
+    };
+    let seen = tops
+        .iter()
+        .filter(|top| reports.iter().any(|r| is_at(r, top)));
+    let wrong = reports
+        .iter()
+        .filter(|r| !tops.iter().any(|top| is_at(r, top)));
+    (seen.count(), wrong.count())
+}
+
+/// A stripe without depth is unknown and no edge of a carton.
+#[test]
+fn vision_finds_the_top_layer_under_tape() {
+    assert_eq!(found(&[]), (8, 0));
+    for tape in ["kraft", "black", "glossy"] {
+        let found = found(&[("cartons.tape", tape)]);
+        assert_eq!(found, (8, 0), "{tape}");
+    }
+}
+
+#[test]
+fn vision_finds_the_top_layer_under_film_and_labels() {
+    for surface in ["white", "film", "black"] {
+        let found = found(&[("cartons.surface", surface)]);
+        assert_eq!(found, (8, 0), "{surface}");
+    }
+    assert_eq!(found(&[("cartons.label_mm", "[150, 100]")]), (8, 0));
+}
