@@ -4,7 +4,7 @@ use depal_camera::{Material, RenderShape, capture};
 use depal_cell::cell::render_shapes;
 use depal_cell::skin::CartonSkin;
 use depal_cell::spec::CellSpec;
-use depal_frames::{Point, Pose, Vector};
+use depal_frames::{Point, Pose};
 use depal_vision::detect;
 use depal_world::World;
 
@@ -78,7 +78,7 @@ fn a_block_may_be_covered_in_its_own_way() {
             ("cartons.surface", "white"),
             ("cartons.tape", "glossy"),
             ("cartons.block.1.tape", "black"),
-            ("cartons.block.1.tape_width_mm", "72"),
+            ("cartons.block.1.tape_width_mm", "60"),
             ("cartons.block.2.surface", "film"),
             ("cartons.block.2.tape", "none"),
             ("cartons.block.3.label_mm", "[150, 100]"),
@@ -91,7 +91,7 @@ fn a_block_may_be_covered_in_its_own_way() {
         for skin in &blocks.skins[from..from + count] {
             let tape = skin.tape.map(|tape| (tape.material, tape.width));
             let expected = match block {
-                1 => Some((Material::BLACK_TAPE, 0.072)),
+                1 => Some((Material::BLACK_TAPE, 0.06)),
                 2 => None,
                 _ => Some((Material::GLOSSY_TAPE, 0.05)),
             };
@@ -148,60 +148,80 @@ fn tape_and_label_change_the_picture_alone() {
     assert_ne!(shapes(&bare), shapes(&covered));
 }
 
-/// Found of the top layer, and reports that are no carton's.
+/// How many of the eight cartons of the top layer are found, and how many reports are no carton's, on three stacks.
 fn found(overrides: &[(&str, &str)]) -> (usize, usize) {
-    let spec = demo(overrides);
+    let (mut seen, mut wrong) = (0, 0);
+    for seed in ["1", "101", "102"] {
+        let overrides: Vec<_> = overrides.iter().copied().chain([("seed", seed)]).collect();
+        let one = found_on(&demo(&overrides));
+        (seen, wrong) = (seen + one.0, wrong + one.1);
+    }
+    (seen, wrong)
+}
+
+fn found_on(spec: &CellSpec) -> (usize, usize) {
     let world_from_camera = spec.world_from_camera(None);
-    let frame = capture(&spec.camera, &world_from_camera, &shapes(&spec), 1).frame;
+    let frame = capture(&spec.camera, &world_from_camera, &shapes(spec), spec.seed).frame;
     let settings = spec.projects[&1].settings_from(&spec.base_from_camera(None));
     let reports: Vec<Pose> = detect(&frame, &settings)
         .boxes
         .iter()
         .map(|report| world_from_camera * report.camera_from_box)
         .collect();
-    let highest = spec
+    let heights = spec
         .cartons
         .iter()
         .map(|c| c.world_from_centre.translation.z);
-    let highest = highest.fold(0.0, f64::max);
+    let highest = heights.fold(0.0, f64::max);
     let tops: Vec<Pose> = spec
         .cartons
         .iter()
         .filter(|c| c.world_from_centre.translation.z > highest - 0.01)
         .map(|c| c.world_from_centre * Pose::translation(0.0, 0.0, 0.5 * c.size.height))
         .collect();
+    assert_eq!(tops.len(), 8);
+    // Middle and a corner, which half a turn brings to the other one.
+    let corners = [1.0, -1.0].map(|side| Point::new(0.2 * side, 0.15 * side, 0.0));
     let is_at = |report: &Pose, top: &Pose| {
-        // The corners, either way round: within 6 mm.
-        let corner = Point::new(0.2, 0.15, 0.0);
-        let twin = Point::new(-0.2, -0.15, 0.0);
-        let to = |p: &Point| (report * corner - top * p).norm();
-        let centre: Vector = report.translation.vector - top.translation.vector;
-        centre.norm() < 0.005 && to(&corner).min(to(&twin)) < 0.006
+        let off = corners.map(|corner| (report * corners[0] - top * corner).norm());
+        let centre = (report.translation.vector - top.translation.vector).norm();
+        centre < 0.005 && off[0].min(off[1]) < 0.006
     };
-    let seen = tops
-        .iter()
-        .filter(|top| reports.iter().any(|r| is_at(r, top)));
-    let wrong = reports
-        .iter()
-        .filter(|r| !tops.iter().any(|top| is_at(r, top)));
-    (seen.count(), wrong.count())
+    let seen = |top: &&Pose| reports.iter().any(|report| is_at(report, top));
+    let wrong = |report: &&Pose| !tops.iter().any(|top| is_at(report, top));
+    (
+        tops.iter().filter(seen).count(),
+        reports.iter().filter(wrong).count(),
+    )
 }
 
-/// A stripe without depth is unknown and no edge of a carton.
+/// A stripe without depth is unknown, and no edge of a carton. What over-exposure by glossy tape costs comes back
+/// with several exposures. Film costs cartons, and never makes a false one.
 #[test]
-fn vision_finds_the_top_layer_under_tape() {
-    assert_eq!(found(&[]), (8, 0));
-    for tape in ["kraft", "black", "glossy"] {
-        let found = found(&[("cartons.tape", tape)]);
-        assert_eq!(found, (8, 0), "{tape}");
+fn vision_finds_the_top_layer_under_tape_and_labels() {
+    let tape = |word| ("cartons.tape", word);
+    let surface = |word| ("cartons.surface", word);
+    let hdr = ("camera.hdr", "true");
+    let cases: [(&str, &[(&str, &str)], usize); 10] = [
+        ("bare", &[], 24),
+        ("kraft tape", &[tape("kraft")], 24),
+        ("black tape", &[tape("black")], 24),
+        ("glossy tape", &[tape("glossy")], 18),
+        ("glossy tape, hdr", &[tape("glossy"), hdr], 24),
+        ("white", &[surface("white")], 24),
+        ("black", &[surface("black")], 24),
+        ("film", &[surface("film")], 0),
+        ("film, hdr", &[surface("film"), hdr], 0),
+        ("label", &[("cartons.label_mm", "[150, 100]")], 24),
+    ];
+    let table: Vec<_> = cases
+        .iter()
+        .map(|(name, overrides, least)| (*name, found(overrides), *least))
+        .collect();
+    for (_, (seen, wrong), least) in &table {
+        assert!(
+            seen >= least && *wrong == 0,
+            "(found, false), least: {table:?}"
+        );
     }
-}
-
-#[test]
-fn vision_finds_the_top_layer_under_film_and_labels() {
-    for surface in ["white", "film", "black"] {
-        let found = found(&[("cartons.surface", surface)]);
-        assert_eq!(found, (8, 0), "{surface}");
-    }
-    assert_eq!(found(&[("cartons.label_mm", "[150, 100]")]), (8, 0));
 }
