@@ -9,21 +9,14 @@ use depal_vision::detect;
 use depal_world::World;
 
 use super::mistakes::told;
-use super::{DEMO, sets};
+use super::sets;
 use crate::*;
 
-const MIXED: &str = include_str!("../../../../scenes/mixed.toml");
-
-fn cell(text: &str, name: &str, overrides: &[(&str, &str)]) -> CellSpec {
-    let name = format!("embedded:scenes/{name}.toml");
-    Scene::load(text, &name, &sets(overrides), None, &read_text)
-        .unwrap_or_else(|errors| panic!("{errors}"))
-        .cell_spec()
-        .unwrap()
-}
+const MIXED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/mixed.toml");
 
 fn demo(overrides: &[(&str, &str)]) -> CellSpec {
-    cell(DEMO, "demo", overrides)
+    let scene = Scene::demo(&sets(overrides), None).unwrap_or_else(|errors| panic!("{errors}"));
+    scene.cell_spec().unwrap()
 }
 
 fn shapes(spec: &CellSpec) -> Vec<RenderShape> {
@@ -71,19 +64,17 @@ fn without_a_word_every_carton_is_one_solid_of_brown_board() {
 /// A block has the skin of all cartons but for what it says itself.
 #[test]
 fn a_block_may_be_covered_in_its_own_way() {
-    let blocks = cell(
-        MIXED,
-        "mixed",
-        &[
-            ("cartons.surface", "white"),
-            ("cartons.tape", "glossy"),
-            ("cartons.block.1.tape", "black"),
-            ("cartons.block.1.tape_width_mm", "60"),
-            ("cartons.block.2.surface", "film"),
-            ("cartons.block.2.tape", "none"),
-            ("cartons.block.3.label_mm", "[150, 100]"),
-        ],
-    );
+    let overrides = sets(&[
+        ("cartons.surface", "white"),
+        ("cartons.tape", "glossy"),
+        ("cartons.block.1.tape", "black"),
+        ("cartons.block.1.tape_width_mm", "60"),
+        ("cartons.block.2.surface", "film"),
+        ("cartons.block.2.tape", "none"),
+        ("cartons.block.3.label_mm", "[150, 100]"),
+    ]);
+    let scene = Scene::load_file(MIXED, &overrides, None).unwrap();
+    let blocks = scene.cell_spec().unwrap();
     let counts = [8, 12, 9, 4];
     assert_eq!(blocks.skins.len(), counts.iter().sum::<usize>());
     let mut from = 0;
@@ -195,23 +186,20 @@ fn found_on(spec: &CellSpec) -> (usize, usize) {
     )
 }
 
-/// A stripe without depth is unknown, and no edge of a carton. What over-exposure by glossy tape costs comes back
-/// with several exposures. Film costs cartons, and never makes a false one.
+/// A stripe without depth is unknown, and no edge of a carton. Scattered losses all over a top, as film has them,
+/// cost cartons, and glossy tape's a few: it is they, and neither the noise nor the gloss.
 #[test]
 fn vision_finds_the_top_layer_under_tape_and_labels() {
     let tape = |word| ("cartons.tape", word);
     let surface = |word| ("cartons.surface", word);
-    let hdr = ("camera.hdr", "true");
-    let cases: [(&str, &[(&str, &str)], usize); 10] = [
+    let cases: [(&str, &[(&str, &str)], usize); 8] = [
         ("bare", &[], 24),
         ("kraft tape", &[tape("kraft")], 24),
         ("black tape", &[tape("black")], 24),
-        ("glossy tape", &[tape("glossy")], 18),
-        ("glossy tape, hdr", &[tape("glossy"), hdr], 24),
+        ("glossy tape", &[tape("glossy")], 20),
         ("white", &[surface("white")], 24),
         ("black", &[surface("black")], 24),
         ("film", &[surface("film")], 0),
-        ("film, hdr", &[surface("film"), hdr], 0),
         ("label", &[("cartons.label_mm", "[150, 100]")], 24),
     ];
     let table: Vec<_> = cases
@@ -224,4 +212,56 @@ fn vision_finds_the_top_layer_under_tape_and_labels() {
             "(found, false), least: {table:?}"
         );
     }
+}
+
+/// From the word in a scene to the picture: where the projector's mirror image lies on the tape, depth is lost, and
+/// several exposures bring it back.
+#[test]
+fn several_exposures_bring_the_depth_on_glossy_tape_back() {
+    // The mirror image lies at half of the baseline beside the camera: there runs a stripe of the demo.
+    let lost = |tape, hdr| {
+        let spec = demo(&[("cartons.tape", tape), ("camera.hdr", hdr)]);
+        let camera_from_world = spec.world_from_camera(None).inverse();
+        let shot = capture(
+            &spec.camera,
+            &camera_from_world.inverse(),
+            &shapes(&spec),
+            1,
+        );
+        let highest = spec
+            .cartons
+            .iter()
+            .map(|c| c.world_from_centre.translation.z + 0.5 * c.size.height)
+            .fold(0.0, f64::max);
+        let on_stripe = spec
+            .cartons
+            .iter()
+            .filter(|c| c.world_from_centre.translation.z + 0.5 * c.size.height > highest - 0.01);
+        let (mut lost, mut all) = (0, 0);
+        for carton in on_stripe {
+            for step in -150..150_i32 {
+                let along = f64::from(step) * 1e-3;
+                let point = Point::new(along, 0.0, 0.5 * carton.size.height);
+                let point = camera_from_world * carton.world_from_centre * point;
+                // Well within the mirror image, whose radius is 4 degrees.
+                let beside = [point.x - 0.5 * spec.camera.baseline, point.y];
+                if beside[0].hypot(beside[1]) > 0.12 {
+                    continue;
+                }
+                let (u, v) = spec.camera.intrinsics.project(&point);
+                let at = v.round() as usize * spec.camera.intrinsics.width + u.round() as usize;
+                all += 1;
+                lost += u32::from(shot.frame.depth[at] == 0.0);
+            }
+        }
+        assert!(all > 50, "{all}");
+        f64::from(lost) / f64::from(all)
+    };
+    let (glossy, kraft) = (lost("glossy", "false"), lost("kraft", "false"));
+    let (glossy_hdr, black_hdr) = (lost("glossy", "true"), lost("black", "true"));
+    assert!(glossy > 0.95 && kraft < 0.03, "{glossy} {kraft}");
+    assert!(
+        glossy_hdr < 0.2 && black_hdr > 0.4,
+        "{glossy_hdr} {black_hdr}"
+    );
 }
