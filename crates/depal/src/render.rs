@@ -54,7 +54,7 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
         .cell_spec()
         .map_err(|error| Failure::Input(explain(&error)))?;
     let world = spec.world_at_rest();
-    let shapes = render_shapes(&world);
+    let shapes = render_shapes(&world, &spec.skins);
 
     // The first picture fetches memory and tables; the others are what a camera does again and again.
     let world_from_camera = world_from_camera(&spec);

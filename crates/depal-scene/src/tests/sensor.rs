@@ -49,7 +49,7 @@ fn picture(overrides: &[(&str, &str)]) -> Capture {
     for carton in &spec.cartons {
         world.add_carton(carton);
     }
-    let mut shapes = render_shapes(&world);
+    let mut shapes = render_shapes(&world, &spec.skins);
     let cartons = shapes.iter_mut().filter(|s| s.material == Material::KRAFT);
     cartons.last().unwrap().material = Material::matt(0.01);
     capture(&spec.camera, &spec.world_from_camera(None), &shapes, 1)
