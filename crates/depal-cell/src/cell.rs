@@ -18,6 +18,7 @@ use crate::picks::PickKeeper;
 use crate::picture::Seen;
 use crate::plc_link::PlcLink;
 use crate::score::Score;
+use crate::skin::CartonSkin;
 use crate::spec::CellSpec;
 use crate::standing::deviation;
 use crate::vision_side::VisionSide;
@@ -193,7 +194,7 @@ impl Cell {
         // 7. Camera, vision and planner.
         let base_from_flange = self.spec.arm.base_from_flange(&joints);
         let seen = self.vision.is_exposure_due(self.now).then(|| Seen {
-            shapes: render_shapes(&self.world),
+            shapes: render_shapes(&self.world, &self.spec.skins),
             base_from_flange: Some(base_from_flange),
             cartons: self.pickable_cartons(),
         });
@@ -209,7 +210,7 @@ impl Cell {
             let found = self.vision.calibration.advance(
                 self.now,
                 &self.spec,
-                &render_shapes(&self.world),
+                &render_shapes(&self.world, &self.spec.skins),
                 Some(base_from_flange),
                 &mut self.pending,
             );
@@ -316,21 +317,23 @@ fn check_wiring(spec: &CellSpec, controller: &Controller) -> Result<(), CellErro
     Ok(())
 }
 
-/// Everything in view of a camera, with its surface; the ids are those of the world.
-pub fn render_shapes(world: &World) -> Vec<RenderShape> {
+/// Everything in view of a camera, with its surface; the ids are those of the world. `skins`: what the cartons
+/// are made of, as in [`CellSpec::skins`]. Tape and label are solids of their own, with their carton's id.
+pub fn render_shapes(world: &World, skins: &[CartonSkin]) -> Vec<RenderShape> {
     let shapes = world.visible_shapes().into_iter();
-    shapes.map(drawn).collect()
+    shapes.flat_map(|shape| drawn(shape, skins)).collect()
 }
 
 /// The same without arm and tool.
-pub(crate) fn scenery_shapes(world: &World) -> Vec<RenderShape> {
+pub(crate) fn scenery_shapes(world: &World, skins: &[CartonSkin]) -> Vec<RenderShape> {
     let is_robot = |kind| matches!(kind, VisibleKind::Link(_) | VisibleKind::Tool);
     let shapes = world.visible_shapes().into_iter();
-    shapes.filter(|s| !is_robot(s.kind)).map(drawn).collect()
+    let shapes = shapes.filter(|s| !is_robot(s.kind));
+    shapes.flat_map(|shape| drawn(shape, skins)).collect()
 }
 
-fn drawn(visible: VisibleShape) -> RenderShape {
-    RenderShape {
+fn drawn(visible: VisibleShape, skins: &[CartonSkin]) -> Vec<RenderShape> {
+    let shape = RenderShape {
         world_from_shape: visible.shape.pose,
         shape: visible.shape.shape,
         id: visible.id,
@@ -341,6 +344,15 @@ fn drawn(visible: VisibleShape) -> RenderShape {
             VisibleKind::Link(_) | VisibleKind::Tool => Material::PAINT,
         },
         edge_radius: visible.edge_radius,
+    };
+    let skin = match visible.kind {
+        // Cartons are numbered from 1.
+        VisibleKind::Carton(id) => skins.get((id.0 as usize).wrapping_sub(1)),
+        _ => None,
+    };
+    match skin {
+        Some(skin) => skin.dress(shape),
+        None => vec![shape],
     }
 }
 

@@ -32,6 +32,7 @@ mod picture;
 mod planning;
 mod plc_link;
 pub mod score;
+pub mod skin;
 pub mod spec;
 mod standing;
 pub mod station;

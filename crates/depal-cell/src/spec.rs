@@ -16,6 +16,7 @@ use depal_workflow::Project;
 use depal_world::{CartonSpec, WorldSpec};
 
 use crate::calibration::CalibrationSpec;
+use crate::skin::CartonSkin;
 
 /// The whole cell before its first tick.
 #[derive(Debug, Clone)]
@@ -38,6 +39,8 @@ pub struct CellSpec {
     pub world: WorldSpec,
     /// Cartons as they are stacked, before they settle.
     pub cartons: Vec<CartonSpec>,
+    /// What the camera sees of them, in the same order; beyond its end they are of brown board, without tape.
+    pub skins: Vec<CartonSkin>,
     /// How long they settle before the start.
     pub settle_time: SimDuration,
     /// The camera.

@@ -318,9 +318,9 @@ const LANE_PORT: PortId = PortId(0);
 /// client's robot, which is wherever it says it is and is not drawn.
 fn in_view(spec: &CellSpec, world: &World) -> Vec<RenderShape> {
     if spec.is_eye_in_hand() {
-        scenery_shapes(world)
+        scenery_shapes(world, &spec.skins)
     } else {
-        render_shapes(world)
+        render_shapes(world, &spec.skins)
     }
 }
 

@@ -21,6 +21,8 @@ pub struct CartonPlacement {
     pub layer: u32,
     /// Place in the layer: column along the pallet's X, row along its Y; for one that lies alone its place in the list.
     pub cell: [u32; 2],
+    /// Its block's place in the list; none for cartons of a stack and for those that lie alone.
+    pub block: Option<u32>,
 }
 
 /// Size of a tidy layer without gaps, along the pallet's X and Y, mm.
@@ -60,10 +62,10 @@ pub fn carton_layout(scene: &Scene, streams: RandomStreams) -> Vec<CartonPlaceme
     let mut placements = Vec::with_capacity(total);
     let stack = cartons
         .stack()
-        .map(|(layers, pattern)| ([0.0; 2], cartons.size_mm, layers, pattern));
-    let blocks = cartons.block.iter();
-    let blocks = blocks.map(|b| (b.xy_mm, b.size_mm, b.layers, &b.pattern));
-    for ([x_mm, y_mm], size_mm, layers, pattern) in stack.into_iter().chain(blocks) {
+        .map(|(layers, pattern)| (None, [0.0; 2], cartons.size_mm, layers, pattern));
+    let blocks = (0..).zip(&cartons.block);
+    let blocks = blocks.map(|(n, b)| (Some(n), b.xy_mm, b.size_mm, b.layers, &b.pattern));
+    for (block, [x_mm, y_mm], size_mm, layers, pattern) in stack.into_iter().chain(blocks) {
         let size = BoxSize::from_mm(size_mm);
         let side_turn = match pattern.long_side {
             PalletAxis::X => 0.0,
@@ -89,6 +91,7 @@ pub fn carton_layout(scene: &Scene, streams: RandomStreams) -> Vec<CartonPlaceme
                     world_from_carton: world_from_pallet * pallet_from_carton,
                     layer,
                     cell: cell.at,
+                    block,
                 });
             }
         }
@@ -111,6 +114,7 @@ pub fn carton_layout(scene: &Scene, streams: RandomStreams) -> Vec<CartonPlaceme
             ),
             layer: 0,
             cell: [position, 0],
+            block: None,
         });
     }
     placements.truncate(total);

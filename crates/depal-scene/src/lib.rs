@@ -45,6 +45,7 @@ mod rules;
 mod run;
 mod scene;
 mod sensor;
+mod skin;
 mod solid;
 mod stack;
 mod text_file;
@@ -67,6 +68,7 @@ pub use rules::Span;
 pub use run::{Accept, Planner, Run};
 pub use scene::{Scene, json_schema};
 pub use sensor::{DepthFilter, SensorPreset, SensorTerm};
+pub use skin::{CartonSurface, CartonTape};
 pub use solid::Solid;
 pub use stack::{
     CartonBlock, CartonPlace, Cartons, Conveyor, Pallet, PalletAxis, Pattern, Randomize,

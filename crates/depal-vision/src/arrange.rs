@@ -3,15 +3,19 @@
 use depal_frames::BoxSize;
 
 use crate::{
+    breaks::{Breaks, ends_surface},
     cover::{Covering, cover},
     gate::DepthImage,
     ink::dark_sides,
     patch::Patch,
+    relief::Relief,
+    seams::{LEAST_LINE, SEEN_SEAM, islands, seams_seen, touches, widest_gap},
     search::Candidate,
+    unknown::Unknown,
 };
 
 /// A carton may be as uneven as this share of the plane tolerance: 0.13 mm by default.
-const UNEVEN: f64 = 1.0 / 30.0;
+pub const UNEVEN: f64 = 1.0 / 30.0;
 /// And as this multiple of the noise says.
 const MOST_NOISE: f64 = 1.5;
 /// A reading must beat every different one by this much edge per box, else it is ambiguous.
@@ -23,15 +27,13 @@ const UNLEVEL: f64 = 1.3;
 /// Fewer cartons than this without a seam between them are doubtful.
 const LEAST_WITHOUT_SEAM: usize = 3;
 
-/// Share of edge from which a side between two boxes counts as a seam.
-const SEEN_SEAM: f64 = 0.1;
+/// Of a carton beside something hidden so many sides must show; the fourth may be what is hidden.
+const LEAST_SHOWN: usize = 3;
 /// Where gaps measure this much (lost pixels at their rims included), all gaps can be seen, metres.
 const WIDE_GAP: f64 = 0.0035;
 /// The same in cells: one for a gap that fills a pixel, 0.4 lost at each rim, and noise.
 const WIDE_GAP_CELLS: f64 = 2.2;
 
-/// Share of dark line from which on it is one.
-const LEAST_LINE: f64 = 0.6;
 /// A reading of whose inner sides so many show a seam needs no other proof.
 const MOST_SEAMS: f64 = 0.7;
 
@@ -43,6 +45,10 @@ pub struct Arrangement {
     pub ambiguous: bool,
     /// The heights show that this is more than one plane, or no other reading fits the outline.
     pub unique: bool,
+    /// Edges and heights prove each of the boxes by itself.
+    pub each_proven: bool,
+    /// Nothing tells it from a floor or a sheet: one level surface without a seam.
+    pub plain: bool,
 }
 
 /// Covers what `fixed` leaves uncovered. `None` when the known sizes cannot cover it. `beside`: the
@@ -55,13 +61,71 @@ pub fn arrange(
     beside: &[u32],
     image: &DepthImage,
 ) -> Option<Arrangement> {
+    let with = |fixed: &[Candidate], unbroken: bool, unknown: Option<&Unknown>| {
+        arrange_with(
+            patch, tolerance, sizes, fixed, beside, image, unbroken, unknown,
+        )
+    };
+    // Where steps are smeared, so are the heights beside them.
+    if patch.is_smeared() {
+        return with(fixed, false, None);
+    }
+    // Cartons that are one plane each first: most wrong readings need others, and there are many of those.
+    let strict = with(fixed, true, None).or_else(|| with(fixed, false, None));
+    if strict.is_some() || is_one_plane(patch) {
+        return strict;
+    }
+    let unknown = Unknown::new(image, patch, tolerance);
+    with(fixed, true, Some(&unknown)).or_else(|| {
+        // What was found by its outline may lie some cells off, or on another plane: the rest is proven without it.
+        if fixed.is_empty() {
+            return None;
+        }
+        let mut rest = with(&[], true, Some(&unknown))?;
+        rest.boxes.retain(|b| {
+            fixed
+                .iter()
+                .all(|f| f.overlap(b) < 0.04 && b.overlap(f) < 0.04)
+        });
+        Some(rest)
+    })
+}
+
+/// True when all heights of a patch make one plane, as those of a pallet or a floor do: nothing proves a carton there.
+fn is_one_plane(patch: &Patch) -> bool {
+    let relief = Relief::new(patch);
+    let all = Candidate {
+        label: 0,
+        turned: false,
+        first: [0, 0],
+        cells: [patch.columns, patch.rows],
+        sides: [0.0; 4],
+        score: 0.0,
+    };
+    let plane = relief.misfit(&[all]);
+    plane.squares < UNLEVEL * relief.noise(1) * plane.blocks as f64
+}
+
+/// `unbroken`: no height break runs through a carton. With `unknown` what is hidden or not measured may be part of
+/// cartons; only those are kept whose heights and edges prove them.
+#[allow(clippy::too_many_arguments)]
+fn arrange_with(
+    patch: &Patch,
+    tolerance: f64,
+    sizes: &[BoxSize],
+    fixed: &[Candidate],
+    beside: &[u32],
+    image: &DepthImage,
+    unbroken: bool,
+    unknown: Option<&Unknown>,
+) -> Option<Arrangement> {
+    let uneven = tolerance * UNEVEN;
     let Covering {
         least,
         readings,
         relief,
-    } = cover(patch, sizes, fixed)?;
+    } = cover(patch, sizes, fixed, unbroken.then_some(uneven), unknown)?;
     // Even the best reading leaves steps in the middle of cartons: the right one is not among them.
-    let uneven = tolerance * UNEVEN;
     let noise = lags(patch).iter().map(|&lag| relief.noise(lag));
     let most = MOST_NOISE * noise.fold(0.0, f64::max) + uneven * uneven;
     if least.squares > most * least.blocks as f64 {
@@ -69,6 +133,10 @@ pub fn arrange(
     }
     let as_one = relief.misfit(readings.first()?);
     let level = patch.averaged || as_one.squares < UNLEVEL * least.mean() * as_one.blocks as f64;
+    // Heights prove nothing on a level surface; and with parts unknown it may be anything.
+    if unbroken && level {
+        return None;
+    }
     let lead = if level {
         CLEAR_LEAD_WHEN_LEVEL
     } else {
@@ -80,6 +148,14 @@ pub fn arrange(
         .map(|r| r[fixed.len()..].to_vec())
         .filter(|r| !r.is_empty())
         .collect();
+    // Where cartons lie at different heights, two that make one plane are one, if there is one of that size.
+    if !level {
+        let all = readings.clone();
+        readings.retain(|finer| {
+            !all.iter()
+                .any(|coarser| is_needless(finer, coarser, &relief, least.mean()))
+        });
+    }
     // Lines in the intensity image are seams as well.
     let mut lined: Vec<(Candidate, [f64; 4])> = Vec::new();
     for b in readings.iter_mut().flatten() {
@@ -101,7 +177,38 @@ pub fn arrange(
     let merit = |r: &Vec<Candidate>| merit(r, fixed, patch.pitch);
     readings.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
     let best = readings.first()?.clone();
+    let breaks = Breaks::new(&relief, relief.noise(1), uneven);
+    if let Some(unknown) = unknown {
+        let all: Vec<Candidate> = best.iter().chain(fixed).copied().collect();
+        let boxes: Vec<Candidate> = best
+            .iter()
+            .filter(|b| is_proven(b, &all, patch, &breaks, unknown))
+            .filter(|b| {
+                readings[1..]
+                    .iter()
+                    .filter(|r| merit(r) > merit(&best) - lead)
+                    .all(|r| r.iter().any(|o| alike(b, o)))
+            })
+            .copied()
+            .collect();
+        return (!boxes.is_empty()).then_some(Arrangement {
+            boxes,
+            ambiguous: true,
+            unique: true,
+            each_proven: true,
+            plain: false,
+        });
+    }
     unique |= seams_seen(&best, patch.pitch) >= MOST_SEAMS;
+    let has_seam = best.iter().any(|a| {
+        (0..4).any(|side| {
+            a.sides[side] >= SEEN_SEAM
+                && best
+                    .iter()
+                    .any(|b| b.first != a.first && touches(a, b, side, patch.pitch))
+        })
+    });
+    let plain = level && !has_seam;
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
         .filter(|r| merit(r) > merit(&best) - lead && !same(&best, r))
@@ -118,12 +225,14 @@ pub fn arrange(
             boxes: shared,
             ambiguous: true,
             unique: false,
+            each_proven: false,
+            plain,
         });
     }
     // Cartons joined without any seam seen may as well be one larger carton, unless one of that
     // size stands proven beside them, or there are many of them and the gaps that are seen are so
     // narrow that others may well be invisible.
-    let islands = islands(&best, patch.pitch);
+    let islands = islands(&best, patch, &breaks, !level && !patch.is_smeared());
     let narrow = widest_gap(patch, &best) < WIDE_GAP.max(WIDE_GAP_CELLS * patch.pitch);
     let believable = |b: usize| {
         let together = islands.iter().filter(|&&i| i == islands[b]).count();
@@ -141,13 +250,95 @@ pub fn arrange(
             boxes: kept,
             ambiguous: true,
             unique: false,
+            each_proven: false,
+            plain,
         });
     }
     Some(Arrangement {
         boxes: best,
         ambiguous: false,
         unique,
+        each_proven: false,
+        plain,
     })
+}
+
+/// True when edges or height breaks show a side along both axes, and none runs through the carton.
+fn is_proven(
+    b: &Candidate,
+    all: &[Candidate],
+    patch: &Patch,
+    breaks: &Breaks,
+    unknown: &Unknown,
+) -> bool {
+    /// So many cells beyond a side tell what ends there.
+    const BEYOND: isize = 6;
+    let [i0, j0] = b.first.map(|v| v as isize);
+    let (i1, j1) = (i0 + b.cells[0] as isize, j0 + b.cells[1] as isize);
+    // The border of a shadow or of something nearer is none of the carton's.
+    let is_hidden = |side: usize| {
+        let beyond = match side {
+            0 => unknown.share(i0 - BEYOND, j0, i0, j1),
+            1 => unknown.share(i1, j0, i1 + BEYOND, j1),
+            2 => unknown.share(i0, j0 - BEYOND, i1, j0),
+            _ => unknown.share(i0, j1, i1, j1 + BEYOND),
+        };
+        beyond > 0.5
+    };
+    let shown = |side: usize| {
+        b.sides[side] >= SEEN_SEAM && ends_surface(patch, b, side) && !is_hidden(side)
+            || all
+                .iter()
+                .any(|o| touches(b, o, side, patch.pitch) && breaks.between(b, o, side))
+    };
+    let sides = [0, 1, 2, 3].map(shown);
+    (sides[0] || sides[1])
+        && (sides[2] || sides[3])
+        && sides.iter().filter(|s| **s).count() >= LEAST_SHOWN
+        && !breaks.within(b)
+}
+
+/// True when `finer` only parts cartons of `coarser` into smaller ones, and their heights do not ask for it.
+fn is_needless(finer: &[Candidate], coarser: &[Candidate], relief: &Relief, noise: f64) -> bool {
+    /// What an unnecessary carton explains of noise alone, in means of a block, is less than this.
+    const BY_CHANCE: f64 = 30.0;
+    if finer.len() <= coarser.len() {
+        return false;
+    }
+    let beyond = |c: &Candidate| {
+        let plane = relief.misfit(&[*c]);
+        plane.squares - noise * plane.blocks as f64
+    };
+    coarser.iter().all(|whole| {
+        if finer.iter().any(|c| alike(c, whole)) {
+            return true;
+        }
+        let parts: Vec<&Candidate> = finer.iter().filter(|c| c.overlap(whole) > 0.9).collect();
+        let covered: f64 = parts.iter().map(|c| whole.overlap(c)).sum();
+        let apart: f64 = parts.iter().map(|c| beyond(c)).sum();
+        parts.len() > 1
+            && covered > 0.9
+            && beyond(whole) - apart < BY_CHANCE * noise * (parts.len() - 1) as f64
+            && parts.iter().all(|c| inner_edge(c, whole) < SEEN_SEAM)
+    })
+}
+
+/// The most edge along a side of a part that is none of the whole's.
+fn inner_edge(part: &Candidate, whole: &Candidate) -> f64 {
+    (0..4usize)
+        .filter(|&side| {
+            let axis = side / 2;
+            let line = |c: &Candidate| {
+                if side.is_multiple_of(2) {
+                    c.first[axis]
+                } else {
+                    c.first[axis] + c.cells[axis]
+                }
+            };
+            line(part).abs_diff(line(whole)) > 6
+        })
+        .map(|side| part.sides[side])
+        .fold(0.0, f64::max)
 }
 
 /// Distances in blocks over which noise is measured: that of a camera that smears goes on over many pixels.
@@ -185,94 +376,4 @@ pub fn alike(a: &Candidate, b: &Candidate) -> bool {
 
 fn same(a: &[Candidate], b: &[Candidate]) -> bool {
     a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| alike(x, y)))
-}
-
-/// Share of the sides between two boxes that show a seam; 0 where no two touch.
-fn seams_seen(boxes: &[Candidate], pitch: f64) -> f64 {
-    let (mut inner, mut seen) = (0, 0);
-    for a in boxes {
-        for side in 0..4 {
-            let meets = |b: &Candidate| b.first != a.first && touches(a, b, side, pitch);
-            if boxes.iter().any(meets) {
-                inner += 1;
-                seen += usize::from(a.sides[side] >= LEAST_LINE);
-            }
-        }
-    }
-    seen as f64 / f64::from(inner.max(1))
-}
-
-/// The widest measured gap between two neighbours, metres; 0 when no two have a seam seen.
-fn widest_gap(patch: &Patch, boxes: &[Candidate]) -> f64 {
-    const BESIDE: isize = 3;
-    let mut widest = 0.0f64;
-    for a in boxes {
-        for b in boxes {
-            for side in [1, 3] {
-                if !touches(a, b, side, patch.pitch) || a.sides[side] < SEEN_SEAM {
-                    continue;
-                }
-                let (axis, across) = (side / 2, 1 - side / 2);
-                let from = (a.first[axis] + a.cells[axis]) as isize - BESIDE;
-                let to = b.first[axis] as isize + BESIDE;
-                let low = a.first[across].max(b.first[across]) as isize;
-                let high = (a.first[across] + a.cells[across])
-                    .min(b.first[across] + b.cells[across]) as isize;
-                let surface = if axis == 0 {
-                    patch.surface(from, low, to, high)
-                } else {
-                    patch.surface(low, from, high, to)
-                };
-                widest = widest.max((1.0 - surface) * (to - from) as f64 * patch.pitch);
-            }
-        }
-    }
-    widest
-}
-
-/// For each box the lowest index among the boxes it hangs together with, without a seam between.
-fn islands(boxes: &[Candidate], pitch: f64) -> Vec<usize> {
-    let mut island: Vec<usize> = (0..boxes.len()).collect();
-    for _ in 0..boxes.len() {
-        for a in 0..boxes.len() {
-            for b in 0..boxes.len() {
-                let joined = a != b
-                    && (0..4).any(|side| {
-                        touches(&boxes[a], &boxes[b], side, pitch)
-                            && boxes[a].sides[side] < SEEN_SEAM
-                    });
-                if joined {
-                    let low = island[a].min(island[b]);
-                    island[a] = low;
-                    island[b] = low;
-                }
-            }
-        }
-    }
-    island
-}
-
-/// True when `other` lies directly beyond side `side` (-X, +X, -Y, +Y) of `b`, within 10 mm, along
-/// at least a third of it.
-pub fn touches(b: &Candidate, other: &Candidate, side: usize, pitch: f64) -> bool {
-    let axis = side / 2;
-    let reach = (0.010 / pitch).ceil() as isize;
-    let (first, last) = (
-        b.first[axis] as isize,
-        (b.first[axis] + b.cells[axis]) as isize,
-    );
-    let (other_first, other_last) = (
-        other.first[axis] as isize,
-        (other.first[axis] + other.cells[axis]) as isize,
-    );
-    let distance = if side.is_multiple_of(2) {
-        first - other_last
-    } else {
-        other_first - last
-    };
-    let across = 1 - axis;
-    let low = b.first[across].max(other.first[across]);
-    let high = (b.first[across] + b.cells[across]).min(other.first[across] + other.cells[across]);
-    distance.abs() <= reach
-        && high.saturating_sub(low) * 3 >= b.cells[across].min(other.cells[across])
 }

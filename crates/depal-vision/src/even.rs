@@ -1,6 +1,6 @@
 //! Stage 5a: whether a piece of the step mask is one carton, or holes run through it along a line.
 
-use crate::{gate::DepthImage, plane::PlaneFrame};
+use crate::{gate::DepthImage, plane::PlaneFrame, resample::int};
 
 /// True when no line of more than a few holes runs through the rectangle of a piece's mask (`range`
 /// metres, middle and axes as in `frame`): a seam leaves one, also where it was bridged.
@@ -18,12 +18,15 @@ pub fn is_even(
     /// A seam shows holes on a tenth of its length, and each tears the mask over five pixels.
     const MOST: f64 = 0.15;
     let k = &image.intrinsics;
+    let stride = image.width as i32;
+    let last = [image.width, image.height].map(|count| (count - 1) as f32);
     let inner = range.map(|r| r - 2.0 * RIM * pitch);
     for axis in 0..2 {
         let across = 1 - axis;
         let cells = (inner[axis] / pitch).floor().max(1.0) as usize;
         let lines = (inner[across] / (STRIDE * pitch)).floor().max(1.0) as usize;
         let mut holes = vec![0u16; cells];
+        let mut pixels = vec![0i32; cells];
         let (along, beside) = if axis == 0 {
             (frame.x, frame.y)
         } else {
@@ -40,14 +43,15 @@ pub fn is_even(
                 ((ends[1].1 - ends[0].1) * per) as f32,
             );
             let (u0, v0) = ((ends[0].0 + 0.5) as f32, (ends[0].1 + 0.5) as f32);
-            for (cell, holes) in holes.iter_mut().enumerate() {
+            // First where, then what: the processor does several of the former at once.
+            for (cell, pixel) in pixels.iter_mut().enumerate() {
                 let s = cell as i32 as f32 + 0.5;
-                let (u, v) = ((u0 + du * s) as i32, (v0 + dv * s) as i32);
-                let (u, v) = (
-                    (u.max(0) as usize).min(image.width - 1),
-                    (v.max(0) as usize).min(image.height - 1),
-                );
-                *holes += u16::from(1 - mask[v * image.width + u]);
+                let u = (u0 + du * s).max(0.0).min(last[0]);
+                let v = (v0 + dv * s).max(0.0).min(last[1]);
+                *pixel = int(v) * stride + int(u);
+            }
+            for (&pixel, holes) in pixels.iter().zip(&mut holes) {
+                *holes += u16::from(1 - mask[pixel as usize]);
             }
         }
         let most = (MOST * lines as f64).max(1.0) as u16;

@@ -216,22 +216,19 @@ impl DepthImage<'_> {
             zeros(row, &mut found);
             for k in &found {
                 let i = v * w + left + k;
-                let around = [
-                    i - w - 1,
-                    i - w,
-                    i - w + 1,
-                    i - 1,
-                    i + 1,
-                    i + w - 1,
-                    i + w,
-                    i + w + 1,
-                ];
-                let count: u8 = around.iter().map(|&j| self.in_region[j]).sum();
+                let around = [i - w - 1, i - 1, i + w - 1];
+                // The hole itself is not in the region.
+                let count = around.map(|j| {
+                    let three = &self.in_region[j..j + 3];
+                    three[0] + three[1] + three[2]
+                });
+                let count = count[0] + count[1] + count[2];
                 if count < 7 {
                     continue;
                 }
                 let (mut sum, mut low, mut high) = (0.0f32, f32::MAX, 0.0f32);
-                for j in around.into_iter().filter(|&j| self.in_region[j] == 1) {
+                let around = around.into_iter().flat_map(|j| j..j + 3);
+                for j in around.filter(|&j| self.in_region[j] == 1) {
                     sum += self.depth[j];
                     low = low.min(self.depth[j]);
                     high = high.max(self.depth[j]);

@@ -97,7 +97,6 @@ struct Opposite {
 
 /// Moves boxes with seen opposite sides to where the insets of this image put them.
 pub fn place_by_insets(boxes: &mut [DetectedBox], image: &DepthImage, settings: &VisionSettings) {
-    const ROUNDS: usize = 4;
     // Smeared sides have no torn pixels.
     if settings.smear_px >= LEAST_SMEAR {
         return;
@@ -107,11 +106,30 @@ pub fn place_by_insets(boxes: &mut [DetectedBox], image: &DepthImage, settings: 
         .enumerate()
         .flat_map(|(n, found)| opposite_sides(n, found, image, settings))
         .collect();
+    let insets = insets_of(&seen);
+    if insets.differ() {
+        for pair in &seen {
+            let shift = pair.shift(&insets);
+            boxes[pair.found].camera_from_box.translation.vector += shift;
+        }
+    }
+}
+
+impl Opposite {
+    /// From where the middle of both sides is seen to where it is.
+    fn shift(&self, insets: &Insets) -> Vector {
+        self.direction * ((insets.of(self.lit[1]) - insets.of(self.lit[0])) / 2.0 * self.pitch)
+    }
+}
+
+/// What the opposite sides of all cartons tell together.
+fn insets_of(seen: &[Opposite]) -> Insets {
+    const ROUNDS: usize = 4;
     let deviation = SIDE_PIXELS * std::f64::consts::SQRT_2;
     let mut insets = Insets::USUAL;
     for _ in 0..ROUNDS {
         let mut sums = InsetSums::new();
-        for pair in &seen {
+        for pair in seen {
             let lit = pair.lit[0] + pair.lit[1];
             let off = pair.short - insets.of(pair.lit[0]) - insets.of(pair.lit[1]);
             let loose = 1.0 + (off / (LOOSE * deviation)).powi(2);
@@ -120,13 +138,7 @@ pub fn place_by_insets(boxes: &mut [DetectedBox], image: &DepthImage, settings: 
         }
         insets = sums.solve();
     }
-    if !insets.differ() {
-        return;
-    }
-    for pair in &seen {
-        let shift = (insets.of(pair.lit[1]) - insets.of(pair.lit[0])) / 2.0 * pair.pitch;
-        boxes[pair.found].camera_from_box.translation.vector += pair.direction * shift;
-    }
+    insets
 }
 
 fn opposite_sides(
@@ -179,3 +191,6 @@ pub fn frame_of(found: &DetectedBox) -> PlaneFrame {
         y: axis(1),
     }
 }
+
+#[cfg(test)]
+mod tests;

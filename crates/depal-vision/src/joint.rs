@@ -8,12 +8,12 @@ use depal_frames::{Point, Rotation, Vector};
 
 use crate::{
     DetectedBox, VisionSettings,
-    arrange::touches,
     gate::DepthImage,
     inset::{InsetSums, Insets},
     patch::{BLOCK, Patch, pixel_pitch},
     plane::{Plane, PlaneFrame},
-    relief::Relief,
+    relief::block_noise,
+    seams::touches,
     search::{Candidate, extents, sides_with_edges},
     sides::{Fitting, SIDE_PIXELS, fit_rectangle},
     verify::{LEAST_SEEN, LEAST_SHARP, SHARP},
@@ -151,7 +151,7 @@ pub fn place_together(
         .collect();
     let mut seen = join_sides(sides, &members, &pairs);
     // As if it were white: of a mean over many pixels, which is what a seam is taken from.
-    let noise = Relief::new(patch).noise(1) * (BLOCK * BLOCK) as f64;
+    let noise = block_noise(patch, 1) * (BLOCK * BLOCK) as f64;
     for pair in &pairs {
         observe_seam(image, settings, &members, pair, noise, &mut seen);
     }

@@ -26,7 +26,8 @@
 //! 4. `orientation`, `patch`: each piece resampled in its own axes, with running sums.
 //! 5. `search`: rectangles of the known sizes whose sides show edges.
 //! 6. `cover`: surfaces without visible gaps are covered exactly by the known sizes; `relief`, `arrange`: of
-//!    several such readings the one whose every carton is one plane.
+//!    several such readings the one whose every carton is one plane; `breaks`: where two planes do not meet, two
+//!    cartons do; `unknown`: what is hidden or not measured may be part of one.
 //!    `measure`: tops of unknown size, where all four sides fall away.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
 //!    `inset`: how far inside the real edges this camera shows them.
@@ -50,7 +51,11 @@
 //! - A sheet thinner than the plane tolerance that lies over a part of a layer is not seen; one that just
 //!   one arrangement of a known size covers, over a stack as high as its cartons, is taken for them.
 //! - Cartons of one merged surface share its direction.
-//! - Where something hides part of a surface without visible gaps, nothing on it is reported.
+//! - Where something hides part of a surface without visible gaps, or tape runs over it, only those cartons are
+//!   reported that three sides prove each, by an edge or by a break in height towards the next one; on cartons that
+//!   lie quite level, none.
+//! - Two cartons side by side that make one plane to a few hundredths of a millimetre, without a visible gap, among
+//!   cartons that do not, are taken for one where a known size is as large as both.
 //! - Depth steps smeared over many pixels are put back to where they are half way (`smear`); tops of a
 //!   lower layer beside a higher one are then often refused, and beyond fifteen pixels a side may be
 //!   20 mm off.
@@ -67,13 +72,16 @@
 
 mod arrange;
 mod average;
+mod beyond;
 mod blank;
+mod breaks;
 pub mod calibration;
 mod class;
 mod components;
 mod cover;
 mod detect;
 mod detection;
+mod ends;
 mod even;
 mod gate;
 mod ink;
@@ -84,10 +92,13 @@ mod neighbours;
 mod noise;
 mod obstacles;
 mod orientation;
+mod outlined;
+mod overhang;
 mod patch;
 mod plane;
 mod relief;
 mod resample;
+mod seams;
 mod search;
 mod settings;
 mod settle;
@@ -98,6 +109,7 @@ mod stands;
 mod steps;
 mod surface;
 mod turn_together;
+mod unknown;
 mod verify;
 
 pub use detect::{Stage, detect, detect_any_size, detect_staged};

@@ -1,9 +1,14 @@
 //! Stage 7c: tops of unknown size, where all four sides fall away.
 
+use depal_frames::{BoxSize, Point, Pose, Vector};
+
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
-    gate::DepthImage,
+    beyond::beyond,
+    ends::surface_end,
+    gate::{DepthImage, LEAST_SMEAR},
     patch::Patch,
+    plane::{Plane, PlaneFrame},
     search::{Candidate, has_seam},
     verify::{Proof, verify_measured},
 };
@@ -14,6 +19,9 @@ const LEAST_SIDE: f64 = 0.10;
 const MOST_SIDE: f64 = 0.80;
 /// Share of the bounding rectangle that must be surface: an L of three cartons has 0.75.
 const WHOLE: f64 = 0.93;
+/// Axis and sign of each side.
+const SIDES: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
+
 /// The one rectangle that a patch is, if it is one. The patch reaches `margin` metres beyond the surface,
 /// and its neighbours show in there.
 pub fn measure_whole(
@@ -39,19 +47,85 @@ pub fn measure_whole(
         return Err(reject(RejectReason::NoKnownSize));
     }
     let (x, y) = candidate.centre(patch);
-    let start = crate::plane::PlaneFrame {
+    let start = PlaneFrame {
         origin: patch.frame.point(x, y),
         ..patch.frame
     };
     // The second time from the sides that the first has measured.
-    let (_, extents) =
+    let (_, extents, _) =
         verify_measured(image, settings, start, extents, Proof::Outline).map_err(reject)?;
-    let (found, _) =
+    let (mut found, _, sharp) =
         verify_measured(image, settings, start, extents, Proof::Outline).map_err(reject)?;
     if found.proven_sides < 4 || found.visible_fraction < WHOLE {
         return Err(reject(RejectReason::NoKnownSize));
     }
+    if !falls_away(image, &found, settings.plane_tolerance) {
+        return Err(reject(RejectReason::NoKnownSize));
+    }
+    // A smeared step has no outermost pixel.
+    if settings.smear_px < LEAST_SMEAR {
+        let tolerance = sharp.min(settings.plane_tolerance);
+        found = measured(image, found, tolerance, patch.pitch);
+    }
     Ok(found)
+}
+
+/// Axes on the top of a found box, X along its length.
+fn top(found: &DetectedBox) -> PlaneFrame {
+    let pose = &found.camera_from_box;
+    let origin = Point::from(pose.translation.vector);
+    let normal = pose.rotation * Vector::z();
+    PlaneFrame {
+        plane: Plane {
+            coefficient: normal / normal.dot(&origin.coords),
+        },
+        origin,
+        x: pose.rotation * Vector::x(),
+        y: pose.rotation * Vector::y(),
+    }
+}
+
+/// True when the surface ends at all four sides, and not as a sheet does: whole cartons only.
+fn falls_away(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> bool {
+    /// Share of a side at which it must be seen to end: noise and lost pixels leave more of any true side.
+    const LEAST_OPEN: f64 = 0.6;
+    /// Share of a side that something nearer may hide: the rest says where it is.
+    const MOST_HIDDEN: f64 = 0.2;
+    /// So many sides beneath which something lies close by are those of a sheet; at one, a lower carton may
+    /// stand without a gap.
+    const SHEET: usize = 2;
+    /// Share of what is seen beneath such a side that lies close by: noise takes some of it.
+    const MOSTLY_THIN: f64 = 0.5;
+    let frame = top(found);
+    let extents = [found.size.length, found.size.width];
+    let mut thin = 0;
+    for side in SIDES {
+        let seen = beyond(image, &frame, extents, side, tolerance);
+        if seen.open < LEAST_OPEN || seen.hidden > MOST_HIDDEN {
+            return false;
+        }
+        thin += usize::from(seen.thin >= MOSTLY_THIN * seen.open);
+    }
+    thin < SHEET
+}
+
+/// The same box with its sides where its surface ends.
+fn measured(image: &DepthImage, found: DetectedBox, tolerance: f64, pitch: f64) -> DetectedBox {
+    let frame = top(&found);
+    let extents = [found.size.length, found.size.width];
+    let [left, right, low, high] = SIDES
+        .map(|side| surface_end(image, &frame, extents, side, tolerance, pitch).unwrap_or(0.0));
+    let middle = frame.point((right - left) / 2.0, (high - low) / 2.0);
+    let sides = [extents[0] + left + right, extents[1] + low + high];
+    DetectedBox {
+        camera_from_box: Pose::from_parts(middle.coords.into(), found.camera_from_box.rotation),
+        size: BoxSize {
+            length: sides[0].max(sides[1]),
+            width: sides[0].min(sides[1]),
+            height: 0.0,
+        },
+        ..found
+    }
 }
 
 /// The patch without its margin; `None` when that is not one filled block.

@@ -225,9 +225,9 @@ impl Patch {
         }
     }
 
-    /// True when the camera smears steps, and with them its noise.
+    /// True when the camera smears steps, and with them its noise, or its depths were averaged.
     pub fn is_smeared(&self) -> bool {
-        self.rim > SHARP_RIM
+        self.rim > SHARP_RIM || self.averaged
     }
 
     /// Number of surface cells of a block (column, row of blocks).

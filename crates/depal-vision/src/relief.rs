@@ -33,17 +33,8 @@ pub struct PlaneMisfit {
 impl Relief {
     /// Averages the surface cells of each block.
     pub fn new(patch: &Patch) -> Self {
-        const LEAST: u32 = (BLOCK * BLOCK / 2) as u32;
         let (columns, rows) = (patch.columns / BLOCK, patch.rows / BLOCK);
-        let heights: Vec<Option<f32>> = patch
-            .heights
-            .iter()
-            .enumerate()
-            .map(|(n, sum)| {
-                let count = patch.surface_cells_of_block(n % columns, n / columns);
-                (count >= LEAST).then(|| sum / count as f32)
-            })
-            .collect();
+        let heights = heights_of(patch);
         let mut sums = vec![[0.0; 10]; (columns + 1) * (rows + 1)];
         for j in 0..rows {
             let mut row = [0.0; 10];
@@ -85,6 +76,10 @@ impl Relief {
 
     fn sums_of(&self, candidate: &Candidate) -> Sums {
         let [i, j] = self.blocks_of(candidate);
+        self.sums_within(&i, &j)
+    }
+
+    fn sums_within(&self, i: &Range<usize>, j: &Range<usize>) -> Sums {
         let at = |i: usize, j: usize| &self.sums[j * (self.columns + 1) + i];
         let (a, b, c, d) = (
             at(i.end, j.end),
@@ -97,21 +92,7 @@ impl Relief {
 
     /// Variance of a block's height by noise, square metres, from how much blocks of a row `lag` apart bend.
     pub fn noise(&self, lag: usize) -> f64 {
-        // Of a - 2 b + c for white noise: six variances; the median of a square is 0.455 of its mean.
-        const PER_MEDIAN: f64 = 1.0 / (6.0 * 0.455);
-        let mut bends: Vec<f64> = Vec::new();
-        for row in self.heights.chunks(self.columns.max(1)) {
-            for w in row.windows(2 * lag + 1) {
-                if let (Some(a), Some(b), Some(c)) = (w[0], w[lag], w[2 * lag]) {
-                    bends.push(f64::from(a - 2.0 * b + c).powi(2));
-                }
-            }
-        }
-        if bends.is_empty() {
-            return 0.0;
-        }
-        let middle = bends.len() / 2;
-        *bends.select_nth_unstable_by(middle, f64::total_cmp).1 * PER_MEDIAN
+        noise_of(&self.heights, self.columns, lag)
     }
 
     /// How badly one plane explains the heights within candidates: over their whole blocks.
@@ -131,6 +112,20 @@ impl Relief {
             squares: (squares - explained).max(0.0),
             blocks: count as usize,
         }
+    }
+
+    /// The plane through the heights of some columns and rows of blocks; `None` of too few.
+    pub fn fit(&self, i: Range<usize>, j: Range<usize>) -> Option<Fit> {
+        let sums = self.sums_within(&i, &j);
+        Some(Fit {
+            plane: plane_of(&sums)?,
+            inverse: normal_of(&sums).try_inverse()?,
+        })
+    }
+
+    /// True when all of some blocks are surface.
+    pub fn is_full(&self, i: Range<usize>, j: Range<usize>) -> bool {
+        self.sums_within(&i, &j)[0] as usize == i.len() * j.len()
     }
 
     /// Squared distance of each block within a candidate from the candidate's plane, square metres: (place in a
@@ -153,12 +148,73 @@ impl Relief {
     }
 }
 
+/// A plane fitted to blocks.
+pub struct Fit {
+    plane: Vector3<f64>,
+    inverse: Matrix3<f64>,
+}
+
+impl Fit {
+    /// Height at a place (column, row of blocks), metres.
+    pub fn height(&self, at: [f64; 2]) -> f64 {
+        self.plane.dot(&Vector3::new(1.0, at[0], at[1]))
+    }
+
+    /// Variance of that height in variances of a block.
+    pub fn spread(&self, at: [f64; 2]) -> f64 {
+        let at = Vector3::new(1.0, at[0], at[1]);
+        at.dot(&(self.inverse * at)).max(0.0)
+    }
+}
+
+fn normal_of(&[n, x, y, xx, xy, yy, ..]: &Sums) -> Matrix3<f64> {
+    Matrix3::new(n, x, y, x, xx, xy, y, xy, yy)
+}
+
 /// Height at the origin and per block along both axes; `None` of blocks too few or in a row.
 fn plane_of(sums: &Sums) -> Option<Vector3<f64>> {
-    let &[n, x, y, xx, xy, yy, h, xh, yh, _] = sums;
+    let &[n, .., h, xh, yh, _] = sums;
     if n < 6.0 {
         return None;
     }
-    let factor = Matrix3::new(n, x, y, x, xx, xy, y, xy, yy).cholesky()?;
+    let factor = normal_of(sums).cholesky()?;
     Some(factor.solve(&Vector3::new(h, xh, yh)))
+}
+
+/// Mean height of each block over the patch's plane, metres; `None` where little of it is surface.
+fn heights_of(patch: &Patch) -> Vec<Option<f32>> {
+    const LEAST: u32 = (BLOCK * BLOCK / 2) as u32;
+    let columns = patch.columns / BLOCK;
+    patch
+        .heights
+        .iter()
+        .enumerate()
+        .map(|(n, sum)| {
+            let count = patch.surface_cells_of_block(n % columns, n / columns);
+            (count >= LEAST).then(|| sum / count as f32)
+        })
+        .collect()
+}
+
+/// As [`Relief::noise`], for one who needs nothing else of the relief.
+pub fn block_noise(patch: &Patch, lag: usize) -> f64 {
+    noise_of(&heights_of(patch), patch.columns / BLOCK, lag)
+}
+
+fn noise_of(heights: &[Option<f32>], columns: usize, lag: usize) -> f64 {
+    // Of a - 2 b + c for white noise: six variances; the median of a square is 0.455 of its mean.
+    const PER_MEDIAN: f64 = 1.0 / (6.0 * 0.455);
+    let mut bends: Vec<f64> = Vec::new();
+    for row in heights.chunks(columns.max(1)) {
+        for w in row.windows(2 * lag + 1) {
+            if let (Some(a), Some(b), Some(c)) = (w[0], w[lag], w[2 * lag]) {
+                bends.push(f64::from(a - 2.0 * b + c).powi(2));
+            }
+        }
+    }
+    if bends.is_empty() {
+        return 0.0;
+    }
+    let middle = bends.len() / 2;
+    *bends.select_nth_unstable_by(middle, f64::total_cmp).1 * PER_MEDIAN
 }

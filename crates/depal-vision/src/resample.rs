@@ -28,7 +28,7 @@ const BEYOND: f32 = -1e6;
 /// Floor of a number of 0..2^22, by pushing its fraction out of the mantissa: a plain cast is checked
 /// number by number.
 #[inline(always)]
-fn int(x: f32) -> i32 {
+pub fn int(x: f32) -> i32 {
     const SHIFT: f32 = 8_388_608.0; // 2^23
     let rounded = x + SHIFT;
     let whole = (rounded.to_bits() & 0x007f_ffff) as i32;
@@ -95,6 +95,13 @@ impl ResampledRow {
             *deep = u8::from((deeper > tolerance) & (deeper < NOTHING));
             *height = if surface { -deeper } else { 0.0 };
         }
+    }
+
+    /// 1 where something nearer hides the plane, or nothing was measured.
+    pub fn unknown(&self, tolerance: f32) -> impl Iterator<Item = u8> {
+        self.deeper.iter().map(move |&deeper| {
+            u8::from((deeper == NOTHING) | ((deeper < -tolerance) & (deeper != BEYOND)))
+        })
     }
 
     /// Takes cells out of the picture: neither surface nor edge.

@@ -54,7 +54,13 @@ pub fn extents(size: &BoxSize, turned: bool) -> [f64; 2] {
 }
 
 /// Share of edge along one side (-X, +X, -Y, +Y), its ends left out, `off` cells farther along the axis.
-fn side_edge(patch: &Patch, first: [usize; 2], cells: [usize; 2], side: usize, off: isize) -> f64 {
+pub fn side_edge(
+    patch: &Patch,
+    first: [usize; 2],
+    cells: [usize; 2],
+    side: usize,
+    off: isize,
+) -> f64 {
     let [i0, j0] = first;
     let [a, b] = cells;
     let (si0, si1) = (i0 + left_out(a), i0 + a - left_out(a));

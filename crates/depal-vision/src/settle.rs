@@ -2,10 +2,10 @@
 
 use crate::{
     VisionSettings,
-    arrange::touches,
     gate::DepthImage,
     patch::Patch,
     plane::PlaneFrame,
+    seams::touches,
     search::{Candidate, extents, sides_with_edges},
     sides::{Fitting, ROUGHLY, fit_rectangle},
     verify::{LEAST_SEEN, TURN_SEEN},

@@ -272,36 +272,22 @@ fn scan(
                 && (z == 0.0 || z > expected)
             {
                 // Half way between the centres of the last surface pixel and this one.
-                let shadowed = z == 0.0
-                    && (step + 1..=step + LONGEST_SHADOW)
-                        .map(|s| {
-                            let s = s as f32;
-                            (u0 + du * s, v0 + dv * s, z0 + dz * s)
-                        })
-                        .take_while(|(u, v, _)| *u >= 0.0 && *v >= 0.0 && *u < width && *v < height)
-                        .map(|(u, v, expected)| {
-                            let z =
-                                image.depth[v as i32 as usize * image.width + u as i32 as usize];
-                            (z, expected)
-                        })
-                        .find(|(z, _)| *z != 0.0)
-                        .is_some_and(|(z, expected)| z < expected - tolerance.max(TALLER));
+                // Lone pixels are lost at any step: what counts is the first one that was measured.
+                let (shadowed, lit) = if z == 0.0 {
+                    match first_measured(image, (u0, v0, z0), (du, dv, dz), step + 1) {
+                        Some((at, z, expected)) => (
+                            z < expected - tolerance.max(TALLER),
+                            at < step + LIT_WITHIN && z > expected + tolerance,
+                        ),
+                        None => (false, false),
+                    }
+                } else {
+                    // Not on the surface, and not above it.
+                    (false, true)
+                };
                 let middle = |a: i32, b: i32| f64::from(a + b) / 2.0;
                 let ray = k.ray(middle(inner.0, u), middle(inner.1, v));
                 let at = frame.plane.meet(&ray) - frame.origin;
-                // Lone pixels are lost at any step: what counts is the first one that was measured.
-                let lit = (step..step + LIT_WITHIN)
-                    .map(|s| {
-                        let s = s as f32;
-                        (u0 + du * s, v0 + dv * s, z0 + dz * s)
-                    })
-                    .take_while(|(u, v, _)| *u >= 0.0 && *v >= 0.0 && *u < width && *v < height)
-                    .map(|(u, v, expected)| {
-                        let z = image.depth[v as i32 as usize * image.width + u as i32 as usize];
-                        (z, expected)
-                    })
-                    .find(|(z, _)| *z != 0.0)
-                    .is_some_and(|(z, expected)| z > expected + tolerance);
                 crossings.push(Crossing {
                     along: at.dot(&tangent),
                     beyond: at.dot(&outward) - half,
@@ -313,6 +299,30 @@ fn scan(
         }
     }
     ScanLines::new(crossings, lines, least_seen)
+}
+
+/// Of the pixels `from + s step` (column, row, expected depth) the first from `s` on that was measured, if one is no
+/// farther than the longest shadow: (`s`, depth, expected depth).
+fn first_measured(
+    image: &DepthImage,
+    from: (f32, f32, f32),
+    step: (f32, f32, f32),
+    s: i32,
+) -> Option<(i32, f32, f32)> {
+    let (width, height) = (image.width as f32, image.height as f32);
+    for s in s..s + LONGEST_SHADOW {
+        let n = s as f32;
+        let (u, v) = (from.0 + step.0 * n, from.1 + step.1 * n);
+        let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
+        if !inside {
+            return None;
+        }
+        let z = image.depth[v as i32 as usize * image.width + u as i32 as usize];
+        if z != 0.0 {
+            return Some((s, z, from.2 + step.2 * n));
+        }
+    }
+    None
 }
 
 /// One turn for all sides (they stay orthogonal) and an offset for each, by reweighted least

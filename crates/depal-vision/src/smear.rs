@@ -146,7 +146,7 @@ pub fn sharpened(depth: &[f32], width: usize, smear: usize, noise: f32) -> Vec<f
             let (du, dv) = (gx / slope, gy / slope);
             let Some((near, far)) = walk
                 .level(u, v, -du, -dv)
-                .zip(walk.level(u, v, du, dv))
+                .and_then(|near| Some((near, walk.level(u, v, du, dv)?)))
                 .filter(|(near, far)| far - near > LEAST_STEP)
             else {
                 continue;
@@ -190,10 +190,12 @@ impl Walk<'_> {
     /// Mean of the first four pixels in a row, in direction (du, dv), that lie level.
     fn level(&self, u: usize, v: usize, du: f32, dv: f32) -> Option<f32> {
         let at = |t: f32| self.at(u as f32 + du * t, v as f32 + dv * t);
+        // Each pixel is looked up once: on a ramp, where no level is, every walk goes all the way.
+        let mut line = [None, at(0.0), at(1.0), at(2.0)];
         let mut t = 0.0;
         while t <= self.farthest {
-            if let (Some(a), Some(b), Some(c), Some(d)) =
-                (at(t), at(t + 1.0), at(t + 2.0), at(t + 3.0))
+            line = [line[1], line[2], line[3], at(t + 3.0)];
+            if let [Some(a), Some(b), Some(c), Some(d)] = line
                 && (d - a).abs() < self.flat
                 && (c - a).abs() < self.flat
             {

@@ -4,7 +4,7 @@ use depal_frames::{Point, Vector};
 
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
-    arrange::{arrange, touches},
+    arrange::arrange,
     blank::Blank,
     components::Component,
     cover::uncovered,
@@ -13,11 +13,12 @@ use crate::{
     joint::place_together,
     measure::measure_whole,
     orientation::{main_direction, outline},
+    outlined::outlined,
     patch::{Grid, Patch, SHARP_RIM, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
-    search::{Candidate, extents, search, sides_with_edges},
-    settle::{settle, start_frame},
-    stands::stands,
+    search::{Candidate, extents, sides_with_edges},
+    settle::settle,
+    stands::{goes_on, stands},
     verify::{Proof, verify},
 };
 
@@ -344,7 +345,15 @@ impl Surface {
         let goes_on = patch.averaged
             && !arrangement.ambiguous
             && goes_on(&patch, settings, &arrangement.boxes, &fixed);
-        if goes_on || !stands(&patch, image, settings, &arrangement.boxes) {
+        if goes_on
+            || !stands(
+                &patch,
+                image,
+                settings,
+                &arrangement.boxes,
+                arrangement.plain,
+            )
+        {
             rejected.push(self.rejected(RejectReason::NoKnownSize));
             return boxes;
         }
@@ -379,7 +388,7 @@ impl Surface {
         let proven = |b: &DetectedBox| b.proven_sides > 0;
         let all = || arranged.iter().chain(&boxes).chain(beside);
         let around = all().filter(|b| proven(b)).count();
-        let enclosed = arrangement.unique && 2 * around >= all().count();
+        let enclosed = arrangement.each_proven || arrangement.unique && 2 * around >= all().count();
         for found in arranged {
             if proven(&found) || enclosed {
                 boxes.push(found);
@@ -393,37 +402,6 @@ impl Surface {
         }
         boxes
     }
-}
-
-/// True when the surface goes on beyond an outer side of a covering: then its cartons are larger than the known ones.
-fn goes_on(
-    patch: &Patch,
-    settings: &VisionSettings,
-    arranged: &[Candidate],
-    fixed: &[Candidate],
-) -> bool {
-    /// Cells by which a placement may be off.
-    const OFF: f64 = 3.0;
-    /// Cells that are looked at.
-    const LOOK: isize = 4;
-    let off = (settings.size_tolerance / patch.pitch + OFF) as isize;
-    arranged.iter().any(|b| {
-        let [i0, j0] = b.first.map(|v| v as isize);
-        let (i1, j1) = (i0 + b.cells[0] as isize, j0 + b.cells[1] as isize);
-        (0..4).any(|side| {
-            let is_inner = arranged
-                .iter()
-                .chain(fixed)
-                .any(|o| o.first != b.first && touches(b, o, side, patch.pitch));
-            let beyond = match side {
-                0 => patch.surface(i0 - off - LOOK, j0 + LOOK, i0 - off, j1 - LOOK),
-                1 => patch.surface(i1 + off, j0 + LOOK, i1 + off + LOOK, j1 - LOOK),
-                2 => patch.surface(i0 + LOOK, j0 - off - LOOK, i1 - LOOK, j0 - off),
-                _ => patch.surface(i0 + LOOK, j1 + off, i1 - LOOK, j1 + off + LOOK),
-            };
-            !is_inner && beyond > 0.5
-        })
-    })
 }
 
 /// How far a patch reaches beyond its surface, which ends early where steps are smeared, metres.
@@ -441,39 +419,4 @@ fn blank(found: &DetectedBox, frame: &PlaneFrame) -> Blank {
         half: [found.size.length / 2.0, found.size.width / 2.0],
         turn: x.dot(&frame.y).atan2(x.dot(&frame.x)),
     }
-}
-
-/// Searches a patch and verifies what it finds.
-fn outlined(
-    patch: &Patch,
-    image: &DepthImage,
-    settings: &VisionSettings,
-    rejected: &mut Vec<RejectedSurface>,
-) -> (Vec<Candidate>, Vec<DetectedBox>) {
-    let (mut fixed, mut boxes) = (Vec::new(), Vec::new());
-    for candidate in search(patch, &settings.sizes, settings.min_visible) {
-        let start = start_frame(patch, &candidate);
-        match verify(
-            image,
-            settings,
-            start,
-            candidate.label,
-            candidate.turned,
-            Proof::Outline,
-        ) {
-            Ok(found) => {
-                boxes.push(found);
-                fixed.push(candidate);
-            }
-            Err(reason) => {
-                let size = settings.sizes[candidate.label as usize];
-                rejected.push(RejectedSurface {
-                    reason,
-                    centre_in_camera: start.origin,
-                    area: size.length * size.width,
-                });
-            }
-        }
-    }
-    (fixed, boxes)
 }

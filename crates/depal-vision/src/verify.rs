@@ -7,6 +7,7 @@ use crate::{
     DetectedBox, RejectReason, VisionSettings,
     class::Class,
     gate::{DepthImage, LEAST_SMEAR},
+    overhang::is_overhung,
     patch::pixel_pitch,
     plane::{PlaneFrame, fit_plane},
     sides::{
@@ -56,7 +57,7 @@ pub fn verify(
 ) -> Result<DetectedBox, RejectReason> {
     let size = settings.sizes[label as usize];
     let extents = crate::search::extents(&size, turned);
-    let (found, _) = check(image, settings, start, extents, proof)?;
+    let (found, ..) = check(image, settings, start, extents, proof)?;
     Ok(DetectedBox {
         size,
         label,
@@ -65,14 +66,15 @@ pub fn verify(
 }
 
 /// The same for a rectangle of unknown size that is about `extents` large; also the sides as
-/// measured, along X and Y of `start`. The height stays 0: one picture from above does not show it.
+/// measured, along X and Y of `start`, and how far from its plane a point of it lies at most, metres. The height
+/// stays 0: one picture from above does not show it.
 pub fn verify_measured(
     image: &DepthImage,
     settings: &VisionSettings,
     start: PlaneFrame,
     extents: [f64; 2],
     proof: Proof,
-) -> Result<(DetectedBox, [f64; 2]), RejectReason> {
+) -> Result<(DetectedBox, [f64; 2], f64), RejectReason> {
     check(image, settings, start, extents, proof)
 }
 
@@ -82,7 +84,7 @@ fn check(
     start: PlaneFrame,
     extents: [f64; 2],
     proof: Proof,
-) -> Result<(DetectedBox, [f64; 2]), RejectReason> {
+) -> Result<(DetectedBox, [f64; 2], f64), RejectReason> {
     let turned = extents[1] > extents[0];
     let tolerance = settings.plane_tolerance;
     let pitch = pixel_pitch(&start, &image.intrinsics);
@@ -194,7 +196,9 @@ fn check(
     if seen.share(Class::Deep) > 0.01 || seen.share(Class::On) < settings.min_visible {
         return Err(RejectReason::NoKnownSize);
     }
-    if seen.is_covered(image, &fit.frame, extents, settings.average_px) {
+    let covered = seen.is_covered(image, &fit.frame, extents, settings.average_px)
+        || is_overhung(image, &fit.frame, extents, tolerance, rim);
+    if covered {
         return Err(RejectReason::Covered);
     }
     let tilt = (-fit
@@ -225,7 +229,7 @@ fn check(
         visible_fraction,
         proven_sides: proven as u32,
     };
-    Ok((found, measured))
+    Ok((found, measured, sharp))
 }
 
 /// How far from a top's plane its pixels lie at most: more than that, and they show something else. From the noise
@@ -234,21 +238,25 @@ pub fn sharp_tolerance(image: &DepthImage, frame: &PlaneFrame, settings: &Vision
     /// Half the side of the square that is looked at, metres, and samples along it.
     const HALF: f64 = 0.03;
     const SAMPLES: usize = 12;
+    const STEP: f64 = 2.0 * HALF / SAMPLES as f64;
     let (mut squares, mut count) = (0.0, 0.0);
-    for n in 0..SAMPLES * SAMPLES {
-        let at = [n % SAMPLES, n / SAMPLES]
-            .map(|i| ((i as f64 + 0.5) / SAMPLES as f64 - 0.5) * 2.0 * HALF);
-        let (u, v) = image.intrinsics.project(&frame.point(at[0], at[1]));
-        let (u, v) = (u.round(), v.round());
-        let inside = u >= 0.0 && v >= 0.0 && u < image.width as f64 && v < image.height as f64;
-        if !inside {
-            continue;
-        }
-        let z = f64::from(image.depth[v as usize * image.width + u as usize]);
-        let off = z - frame.plane.depth(&image.intrinsics.ray(u, v));
-        if off.abs() <= settings.plane_tolerance {
-            squares += off * off;
-            count += 1.0;
+    let (width, height) = (image.width as f32, image.height as f32);
+    let tolerance = settings.plane_tolerance as f32;
+    for j in 0..SAMPLES {
+        let first = frame.point(0.5 * STEP - HALF, (j as f64 + 0.5) * STEP - HALF);
+        let points = SpacedPoints::new(&image.intrinsics, first, frame.x * STEP);
+        for i in 0..SAMPLES {
+            let (u, v, expected) = points.at(i);
+            let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
+            if !inside {
+                continue;
+            }
+            let (u, v) = (u as i32, v as i32);
+            let off = image.depth[v as usize * image.width + u as usize] - expected;
+            if off.abs() <= tolerance {
+                squares += f64::from(off * off);
+                count += 1.0;
+            }
         }
     }
     let rms = (squares / f64::max(count, 1.0)).sqrt();

@@ -101,8 +101,12 @@ fn print_for_people(frame: &DepthFrame, detection: &Detection, time_ms: f64) {
             found.confidence
         );
     }
-    if frame.depth.iter().all(|&z| z == 0.0) {
-        tell!("no pixel of the depth image is valid");
+    match median_depth(frame) {
+        None => tell!("no pixel of the depth image is valid"),
+        Some(z) if detection.boxes.is_empty() && !LIKELY_DEPTHS.contains(&z) => {
+            tell!("the depth is {z:.3} m in the median: is --depth-scale-mm right?");
+        }
+        Some(_) => {}
     }
     for refused in &detection.rejected {
         if let Some(reason) = refusal(refused.reason) {
@@ -116,6 +120,16 @@ fn print_for_people(frame: &DepthFrame, detection: &Detection, time_ms: f64) {
             );
         }
     }
+}
+
+/// Where depth cameras over pallets work, metres.
+const LIKELY_DEPTHS: std::ops::Range<f32> = 0.4..6.0;
+
+/// In metres; `None` when no pixel is valid.
+fn median_depth(frame: &DepthFrame) -> Option<f32> {
+    let mut valid: Vec<f32> = frame.depth.iter().copied().filter(|z| *z > 0.0).collect();
+    let middle = valid.len() / 2;
+    (!valid.is_empty()).then(|| *valid.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
 /// Why a surface was not reported; `None` for what nobody takes for a carton.

@@ -54,7 +54,7 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
         .cell_spec()
         .map_err(|error| Failure::Input(explain(&error)))?;
     let world = spec.world_at_rest();
-    let shapes = render_shapes(&world);
+    let shapes = render_shapes(&world, &spec.skins);
 
     // The first picture fetches memory and tables; the others are what a camera does again and again.
     let world_from_camera = world_from_camera(&spec);
@@ -105,7 +105,12 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
             json!({"render_ms": round(render_ms), "sensor_ms": round(sensor_ms)})
         );
     } else {
-        tell!("rendered in {render_ms:.1} ms, sensor {sensor_ms:.1} ms");
+        let valid = frame.depth.iter().filter(|z| **z > 0.0).count();
+        tell!(
+            "rendered in {render_ms:.1} ms, sensor {sensor_ms:.1} ms; {:.1} % of the pixels valid, seed {}",
+            100.0 * valid as f64 / frame.depth.len().max(1) as f64,
+            spec.seed
+        );
         tell!("results      {}", args.out.display());
     }
     Ok(())

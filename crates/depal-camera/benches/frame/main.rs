@@ -2,7 +2,8 @@
 //!
 //! The scene of the comparison figures: 100 cartons with 3 mm gaps in five layers, a pallet of 19
 //! boards and blocks, the floor, and an arm of 22,212 triangles half over the stack; once more with
-//! an arm of primitives instead, and once with the cartons' edges rounded by 3 mm.
+//! an arm of primitives instead, once with the cartons' edges rounded by 3 mm, and once with glossy tape on
+//! every carton.
 #![allow(missing_docs)] // criterion's macro makes a public function
 #![allow(clippy::disallowed_methods)] // a bench may read the clock
 
@@ -13,10 +14,11 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use depal_camera::{
-    CameraSpec, RenderMesh, RenderShape, Rendering, SensorSpec, render_with_meshes, sense_frame,
+    CameraSpec, Material, RenderMesh, RenderShape, Rendering, SensorSpec, render_with_meshes,
+    sense_frame,
 };
 use depal_frames::{Pose, Rotation, Vector};
-use scene::{arm, camera, rounded, stack};
+use scene::{arm, camera, rounded, stack, taped};
 
 fn frame(c: &mut Criterion) {
     let one_thread = rayon::ThreadPoolBuilder::new()
@@ -33,9 +35,11 @@ fn frame(c: &mut Criterion) {
     let mut with_primitives = stack();
     with_primitives.extend(primitives);
     let with_edges = rounded(&with_mesh, 0.003);
-    let arms: [(&str, &[RenderShape], &[RenderMesh]); 3] = [
+    let with_tape = taped(&with_mesh, Material::GLOSSY_TAPE);
+    let arms: [(&str, &[RenderShape], &[RenderMesh]); 4] = [
         ("22k triangles", &with_mesh, &meshes),
         ("22k triangles, edges of 3 mm", &with_edges, &meshes),
+        ("22k triangles, glossy tape", &with_tape, &meshes),
         ("primitives", &with_primitives, &[]),
     ];
     for (width, height) in [(640, 480), (1280, 1024), (2048, 1536)] {

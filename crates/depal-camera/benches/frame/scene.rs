@@ -29,6 +29,18 @@ pub fn rounded(scene: &[RenderShape], edge_radius: f64) -> Vec<RenderShape> {
     scene
 }
 
+/// The cartons of a scene with a stripe of another material over the middle of each: a solid of its own.
+pub fn taped(scene: &[RenderShape], material: Material) -> Vec<RenderShape> {
+    let cartons = scene.iter().filter(|item| (10..110).contains(&item.id));
+    let stripes = cartons.map(|carton| RenderShape {
+        world_from_shape: carton.world_from_shape * Pose::translation(0.0, 0.0, 0.070_05),
+        shape: Shape::cuboid(0.3001, 0.05, 0.06),
+        material,
+        ..carton.clone()
+    });
+    scene.iter().cloned().chain(stripes).collect()
+}
+
 /// Floor, pallet and 100 cartons.
 pub fn stack() -> Vec<RenderShape> {
     let block =

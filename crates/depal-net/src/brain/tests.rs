@@ -66,7 +66,7 @@ fn letters_are_dealt_with_as_of_when_they_were_sent() {
     let peer = "127.0.0.1:1".parse().expect("an address");
     link.send(ToBrain::Connected(client, peer, sender));
     // Later than the brain begins, however slow the computer is; 40 ms apart.
-    let first = Instant::now() + Duration::from_secs(3600);
+    let first = Instant::now() + Duration::from_hours(1);
     for (after_ms, byte) in [(0, b'1'), (40, b'2'), (30, b'3'), (80, b'4')] {
         let sent = first + Duration::from_millis(after_ms);
         let message = ToBrain::Bytes(client, vec![byte]);

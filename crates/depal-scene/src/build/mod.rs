@@ -7,6 +7,7 @@ mod plc;
 mod program;
 mod sensor;
 mod server;
+mod skins;
 mod solids;
 mod vision;
 mod workflow;
@@ -28,7 +29,7 @@ use depal_world::{CartonSpec, WorldSpec};
 use crate::camera::{Camera, CameraMount};
 use crate::gripper::Gripper;
 use crate::interface::WireEncoding;
-use crate::layout::carton_layout;
+use crate::layout::{CartonPlacement, carton_layout};
 use crate::robot::{Signal, SignalKind};
 use crate::scene::Scene;
 
@@ -140,6 +141,7 @@ impl Scene {
         let base_from_world = world_from_base.inverse();
         let (mounting, carrier_from_camera) = mounting(&self.camera, &base_from_world);
         let workflow = workflow::workflow(self);
+        let placements = carton_layout(self, self.streams());
         let to_base = |shape: &PlacedShape| shape.moved(&base_from_world);
         let mut spec = CellSpec {
             scene: self.name.clone(),
@@ -157,7 +159,8 @@ impl Scene {
                 carton_edge_radius: self.cartons.edge_radius_mm * 1e-3,
                 ..WorldSpec::default()
             },
-            cartons: self.carton_specs(),
+            cartons: self.carton_specs(&placements),
+            skins: skins::skins(self, &placements),
             settle_time: SimDuration::from_millis(2000),
             camera: camera(&self.camera)?,
             mounting,
@@ -194,9 +197,9 @@ impl Scene {
         Ok(spec)
     }
 
-    fn carton_specs(&self) -> Vec<CartonSpec> {
-        carton_layout(self, self.streams())
-            .into_iter()
+    fn carton_specs(&self, placements: &[CartonPlacement]) -> Vec<CartonSpec> {
+        placements
+            .iter()
             .map(|placement| CartonSpec {
                 size: placement.size,
                 mass: placement.mass_kg,

@@ -113,7 +113,7 @@ fn the_edges_of_cartons_are_as_round_in_the_picture_as_the_scene_says() {
             world.add_carton(carton);
         }
         let cartons = 1..=spec.cartons.len() as u32;
-        depal_cell::cell::render_shapes(&world)
+        depal_cell::cell::render_shapes(&world, &spec.skins)
             .into_iter()
             .map(|shape| (cartons.contains(&shape.id), shape.edge_radius))
             .collect::<Vec<_>>()

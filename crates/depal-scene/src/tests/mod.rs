@@ -8,6 +8,7 @@ mod layout;
 mod loading;
 mod mistakes;
 mod sensor;
+mod skin;
 
 use std::io;
 

@@ -49,7 +49,7 @@ fn picture(overrides: &[(&str, &str)]) -> Capture {
     for carton in &spec.cartons {
         world.add_carton(carton);
     }
-    let mut shapes = render_shapes(&world);
+    let mut shapes = render_shapes(&world, &spec.skins);
     let cartons = shapes.iter_mut().filter(|s| s.material == Material::KRAFT);
     cartons.last().unwrap().material = Material::matt(0.01);
     capture(&spec.camera, &spec.world_from_camera(None), &shapes, 1)
@@ -191,6 +191,7 @@ fn deviation_mm(distance: f64, overrides: &[(&str, &str)]) -> f64 {
         shape: Shape::cuboid(20.0, 20.0, 0.2),
         id: 1,
         material: Material::KRAFT,
+        edge_radius: 0.0,
     };
     let shot = capture(&spec, &Pose::identity(), &[wall], 3);
     let middle = (200..312).flat_map(|v| (264..376).map(move |u| v * 640 + u));

@@ -152,7 +152,7 @@ fn no_request_ends_in_the_midst_of_a_pose() {
             // As the first request, and behind one that looked like 56 bytes.
             assert_eq!(
                 frames_of(*encoding, &[(0, head), (90, tail)]),
-                [whole.clone()]
+                std::slice::from_ref(&whole)
             );
             let pieces = [(0, &state[..56]), (30, head), (90, tail)];
             let short = Frame::Request(state[..56].to_vec());

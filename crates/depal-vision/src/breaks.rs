@@ -1,0 +1,252 @@
+//! Stage 7a: height breaks. One carton is one plane; where two planes do not meet, two cartons do.
+
+use std::ops::Range;
+
+use crate::{
+    patch::{BLOCK, Patch},
+    relief::{Fit, Relief},
+    search::{Candidate, SEEN, side_edge},
+};
+
+/// Thinnest part that is fitted by a plane of its own, blocks: 50 mm at 2 m.
+const LEAST_PART: usize = 4;
+/// A step must stand out from what the noise of the blocks does to two fitted planes by this many deviations:
+/// some fifty places are tried in each carton.
+const SIGMAS: f64 = 5.0;
+/// From this share of edge along its weakest side on, gaps are seen so well that one inside could not hide. Tape across
+/// a side adds a quarter.
+const SEEN_WELL: f64 = 0.75;
+/// A stretch of a side with less edge than this shows none: lone holes give 0.02 anywhere.
+const NO_EDGE: f64 = 0.04;
+
+/// Sides that make an outline.
+const LEAST_OUTLINE: usize = 3;
+
+/// Finds breaks on one patch.
+pub struct Breaks<'a> {
+    relief: &'a Relief,
+    /// Variance of a block's height, square metres.
+    noise: f64,
+    /// Unevenness that one carton may have, metres.
+    uneven: f64,
+}
+
+impl<'a> Breaks<'a> {
+    /// `noise`: variance of a block's height, square metres. `uneven`: how much a carton may deviate from a
+    /// plane, metres.
+    pub fn new(relief: &'a Relief, noise: f64, uneven: f64) -> Self {
+        Self {
+            relief,
+            noise,
+            uneven,
+        }
+    }
+
+    /// True when two planes differ at a place (column, row of blocks) by more than noise and unevenness.
+    fn apart(&self, a: &Fit, b: &Fit, at: [f64; 2]) -> bool {
+        let variance = self.noise * (a.spread(at) + b.spread(at));
+        (a.height(at) - b.height(at)).abs() > self.uneven.max(SIGMAS * variance.sqrt())
+    }
+
+    /// True when a line across the candidate parts it into two planes that do not meet there.
+    pub fn within(&self, candidate: &Candidate) -> bool {
+        /// A step that counts makes the candidate so much less plane than noise does.
+        const LEAST_MISFIT: f64 = 1.2;
+        let plane = self.relief.misfit(&[*candidate]);
+        if plane.squares <= LEAST_MISFIT * self.noise * plane.blocks as f64 {
+            return false;
+        }
+        // A candidate some cells off its carton holds a strip of the next one.
+        let inner = self.relief.blocks_of(candidate).map(|r| {
+            if r.len() > 2 * LEAST_PART + 3 {
+                r.start + 1..r.end - 1
+            } else {
+                r
+            }
+        });
+        (0..2).any(|axis| {
+            let (whole, across) = (&inner[axis], &inner[1 - axis]);
+            (whole.start + LEAST_PART..whole.end.saturating_sub(LEAST_PART)).any(|cut| {
+                // The block at the cut may hold both.
+                let part = |along: Range<usize>| {
+                    let [i, j] = in_order(axis, along, across.clone());
+                    self.relief.fit(i, j)
+                };
+                let (Some(low), Some(high)) = (part(whole.start..cut), part(cut + 1..whole.end))
+                else {
+                    return false;
+                };
+                [across.start, across.end.saturating_sub(1)]
+                    .iter()
+                    .any(|&end| {
+                        let [x, y] = in_order(axis, cut as f64, end as f64);
+                        self.apart(&low, &high, [x, y])
+                    })
+            })
+        })
+    }
+
+    /// True when the planes of two candidates that touch along side `side` (-X, +X, -Y, +Y) of the first do
+    /// not meet there.
+    pub fn between(&self, a: &Candidate, b: &Candidate, side: usize) -> bool {
+        let axis = side / 2;
+        let (of_a, of_b) = (self.relief.blocks_of(a), self.relief.blocks_of(b));
+        let fit = |r: &[Range<usize>; 2]| self.relief.fit(r[0].clone(), r[1].clone());
+        let (Some(plane_a), Some(plane_b)) = (fit(&of_a), fit(&of_b)) else {
+            return false;
+        };
+        let line = if side.is_multiple_of(2) {
+            a.first[axis]
+        } else {
+            a.first[axis] + a.cells[axis]
+        } as f64
+            / BLOCK as f64
+            - 0.5;
+        let across = 1 - axis;
+        let low = of_a[across].start.max(of_b[across].start);
+        let high = of_a[across].end.min(of_b[across].end);
+        low < high
+            && [low, high - 1].iter().any(|&end| {
+                let [x, y] = in_order(axis, line, end as f64);
+                self.apart(&plane_a, &plane_b, [x, y])
+            })
+    }
+
+    /// True when what looks like a carton's outline is none: a break runs through it where gaps are seen too
+    /// badly for one inside to be seen, or its surface goes on beyond a side without edge or break.
+    pub fn refute(&self, patch: &Patch, candidate: &Candidate) -> bool {
+        let weakest = candidate.sides.iter().copied().fold(f64::MAX, f64::min);
+        weakest < SEEN_WELL && (self.within(candidate) || needs_stripes(patch, candidate))
+            || (0..4).any(|side| {
+                candidate.sides[side] < 1.0 - NO_EDGE && self.goes_on(patch, candidate, side)
+            })
+    }
+
+    /// True when the candidate's plane goes on beyond a side, without edge or break, along a stretch of it.
+    fn goes_on(&self, patch: &Patch, candidate: &Candidate, side: usize) -> bool {
+        /// Blocks beyond the side, the first left out because the side may run through it.
+        const BEYOND: Range<usize> = 1..4;
+        let axis = side / 2;
+        let own = self.relief.blocks_of(candidate);
+        let Some(plane) = self.relief.fit(own[0].clone(), own[1].clone()) else {
+            return false;
+        };
+        let beyond = if side.is_multiple_of(2) {
+            let Some(start) = own[axis].start.checked_sub(BEYOND.end) else {
+                return false;
+            };
+            start..own[axis].start - BEYOND.start
+        } else {
+            own[axis].end + BEYOND.start..own[axis].end + BEYOND.end
+        };
+        if beyond.end > self.relief.size()[axis] {
+            return false;
+        }
+        // The longest stretch of blocks along the side beyond which all is surface.
+        let across = own[1 - axis].clone();
+        let is_surface = |n: usize| {
+            let [i, j] = in_order(axis, beyond.clone(), n..n + 1);
+            self.relief.is_full(i, j)
+        };
+        let mut longest = 0..0;
+        let mut start = across.start;
+        for n in across.start..=across.end {
+            if n == across.end || !is_surface(n) {
+                if n - start > longest.len() {
+                    longest = start..n;
+                }
+                start = n + 1;
+            }
+        }
+        if longest.len() < LEAST_PART {
+            return false;
+        }
+        // No edge along it, give or take some cells.
+        let mut first = candidate.first;
+        let mut cells = candidate.cells;
+        first[1 - axis] = longest.start * BLOCK;
+        cells[1 - axis] = longest.len() * BLOCK;
+        if (-4..=4).any(|off| side_edge(patch, first, cells, side, off) >= NO_EDGE) {
+            return false;
+        }
+        let [i, j] = in_order(axis, beyond.clone(), longest.clone());
+        let Some(next) = self.relief.fit(i, j) else {
+            return false;
+        };
+        let line = if side.is_multiple_of(2) {
+            own[axis].start as f64 - 1.0
+        } else {
+            own[axis].end as f64
+        };
+        // Where so little is fitted that a step of the size of cartons would not be seen, nothing is proven.
+        [longest.start, longest.end - 1].iter().all(|&end| {
+            let [x, y] = in_order(axis, line, end as f64);
+            let variance = self.noise * (plane.spread([x, y]) + next.spread([x, y]));
+            SIGMAS * variance.sqrt() < 4.0 * self.uneven && !self.apart(&plane, &next, [x, y])
+        })
+    }
+}
+
+/// True when an outline needs the border of a stripe without measurement behind which the surface goes on: tape
+/// ends no carton.
+fn needs_stripes(patch: &Patch, candidate: &Candidate) -> bool {
+    /// Widths of a stripe that is no gap, metres.
+    const WIDTHS: [f64; 2] = [0.010, 0.060];
+    let [narrow, wide] = WIDTHS.map(|w| (w / patch.pitch) as isize);
+    let [i0, j0] = candidate.first.map(|v| v as isize);
+    let (i1, j1) = (
+        i0 + candidate.cells[0] as isize,
+        j0 + candidate.cells[1] as isize,
+    );
+    let on = |side: usize, d: isize| match side {
+        0 => patch.surface(i0 - d - 2, j0, i0 - d, j1),
+        1 => patch.surface(i1 + d, j0, i1 + d + 2, j1),
+        2 => patch.surface(i0, j0 - d - 2, i1, j0 - d),
+        _ => patch.surface(i0, j1 + d, i1, j1 + d + 2),
+    };
+    let is_stripe = |side: usize| {
+        let deep = |d: isize| {
+            let at = |v: isize| v.max(0) as usize;
+            match side {
+                0 => patch.deep(at(i0 - d), at(j0), at(i0), at(j1)),
+                1 => patch.deep(at(i1), at(j0), at(i1 + d), at(j1)),
+                2 => patch.deep(at(i0), at(j0 - d), at(i1), at(j0)),
+                _ => patch.deep(at(i0), at(j1), at(i1), at(j1 + d)),
+            }
+        };
+        (2..=wide)
+            .find(|&d| on(side, d) > 0.5)
+            .is_some_and(|d| d >= narrow && deep(d) < 0.02)
+    };
+    // The same from across it: the stripe lies inside the side, surface directly beyond.
+    let is_far_border =
+        |side: usize| !ends_surface(patch, candidate, side) && (0..8).any(|d| on(side, d) > 0.5);
+    let stripes = [0, 1, 2, 3].map(|side| is_stripe(side) || is_far_border(side));
+    let plain = (0..4).filter(|&side| candidate.sides[side] >= SEEN && !stripes[side]);
+    stripes.contains(&true) && plain.count() < LEAST_OUTLINE
+}
+
+/// True when there is surface directly inside a side (-X, +X, -Y, +Y): only that can end there.
+pub fn ends_surface(patch: &Patch, candidate: &Candidate, side: usize) -> bool {
+    let [i0, j0] = candidate.first.map(|v| v as isize);
+    let (i1, j1) = (
+        i0 + candidate.cells[0] as isize,
+        j0 + candidate.cells[1] as isize,
+    );
+    let on = match side {
+        0 => patch.surface(i0 + 3, j0, i0 + 6, j1),
+        1 => patch.surface(i1 - 6, j0, i1 - 3, j1),
+        2 => patch.surface(i0, j0 + 3, i1, j0 + 6),
+        _ => patch.surface(i0, j1 - 6, i1, j1 - 3),
+    };
+    on > 0.5
+}
+
+/// Along an axis first, then across it, as X and Y.
+fn in_order<T>(axis: usize, along: T, across: T) -> [T; 2] {
+    if axis == 0 {
+        [along, across]
+    } else {
+        [across, along]
+    }
+}

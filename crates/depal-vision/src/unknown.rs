@@ -1,0 +1,60 @@
+//! Cells of a patch of which nothing is known: hidden by something nearer, or not measured. Tape, shadows and
+//! higher cartons are neither surface nor edge.
+
+use crate::{gate::DepthImage, patch::Patch, resample::ResampledRow};
+
+/// Sums over the unknown cells of a patch.
+pub struct Unknown {
+    columns: usize,
+    rows: usize,
+    /// Unknown cells of all cells below and left.
+    sums: Vec<u32>,
+}
+
+impl Unknown {
+    /// Looks at every cell of the patch once more; what was left out of it is not unknown.
+    pub fn new(image: &DepthImage, patch: &Patch, tolerance: f64) -> Self {
+        let (columns, rows) = (patch.columns, patch.rows);
+        let mut row = ResampledRow::new(columns);
+        let mut above = vec![0u32; columns + 1];
+        let mut sums = Vec::with_capacity((columns + 1) * (rows + 1));
+        sums.extend_from_slice(&above);
+        let mut cells = vec![0u8; columns];
+        for j in 0..rows {
+            let along = patch.bottom + (j as f64 + 0.5) * patch.pitch;
+            let first = patch.frame.point(patch.left + 0.5 * patch.pitch, along);
+            row.fetch(image, first, patch.frame.x * patch.pitch);
+            for (cell, unknown) in cells.iter_mut().zip(row.unknown(tolerance as f32)) {
+                *cell = unknown;
+            }
+            for blank in &patch.blanks {
+                cells[blank.cells(along, patch.left, patch.pitch, columns)].fill(0);
+            }
+            let mut sum = 0;
+            for (&cell, total) in cells.iter().zip(&mut above[1..]) {
+                sum += u32::from(cell);
+                *total += sum;
+            }
+            sums.extend_from_slice(&above);
+        }
+        Self {
+            columns,
+            rows,
+            sums,
+        }
+    }
+
+    /// Share of the cells `i0..i1` x `j0..j1` that is unknown; beyond the patch nothing is.
+    pub fn share(&self, i0: isize, j0: isize, i1: isize, j1: isize) -> f64 {
+        let cells = ((i1 - i0).max(0) * (j1 - j0).max(0)) as f64;
+        let clip = |v: isize, high: usize| v.clamp(0, high as isize) as usize;
+        let (i0, i1) = (clip(i0, self.columns), clip(i1, self.columns));
+        let (j0, j1) = (clip(j0, self.rows), clip(j1, self.rows));
+        if cells == 0.0 || i1 <= i0 || j1 <= j0 {
+            return 0.0;
+        }
+        let sum = |i: usize, j: usize| self.sums[j * (self.columns + 1) + i];
+        let unknown = sum(i1, j1) + sum(i0, j0) - sum(i0, j1) - sum(i1, j0);
+        f64::from(unknown) / cells
+    }
+}
