@@ -34,6 +34,8 @@ const WIDE_GAP: f64 = 0.0035;
 /// The same in cells: one for a gap that fills a pixel, 0.4 lost at each rim, and noise.
 const WIDE_GAP_CELLS: f64 = 2.2;
 
+/// Share of edge along each side of a lone carton that a piece of floor has by no chance.
+const FRAMED: f64 = 0.8;
 /// A reading of whose inner sides so many show a seam needs no other proof.
 const MOST_SEAMS: f64 = 0.7;
 
@@ -208,7 +210,9 @@ fn arrange_with(
                     .any(|b| b.first != a.first && touches(a, b, side, patch.pitch))
         })
     });
-    let plain = level && !has_seam;
+    // One carton in a pit of higher ones stands on nothing that is seen, but all its sides are.
+    let framed = best.len() == 1 && best[0].sides.iter().all(|&s| s >= FRAMED);
+    let plain = level && !has_seam && !framed;
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
         .filter(|r| merit(r) > merit(&best) - lead && !same(&best, r))
