@@ -12,7 +12,7 @@ use crate::{
     even::is_even,
     gate::DepthImage,
     joint::place_together,
-    measure::measure_whole,
+    measure::{Measured, measure_whole},
     orientation::{main_direction, outline},
     patch::{Grid, Patch, SHARP_RIM, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
@@ -281,7 +281,7 @@ impl Surface {
         mask: &[u8],
         image: &DepthImage,
         settings: &VisionSettings,
-    ) -> Result<DetectedBox, RejectedSurface> {
+    ) -> Result<Measured, RejectedSurface> {
         let patch = self.patch(mask, image, settings, &[])?;
         let margin = margin(settings, patch.pitch);
         measure_whole(&patch, image, settings, self.area, margin)
