@@ -90,7 +90,7 @@ pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detecti
         measured.into_iter().partition(|top| top.in_question);
     let mut found: Vec<DetectedBox> = certain.iter().map(|top| top.found.clone()).collect();
     for top in in_question {
-        if certain.iter().any(|other| top.is_confirmed_by(other)) {
+        if top.is_confirmed_by(&certain) {
             found.push(top.found);
         } else {
             let size = top.found.size;

@@ -32,12 +32,20 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// True when the sides of a certain one are the same.
-    pub fn is_confirmed_by(&self, certain: &Self) -> bool {
+    /// True when a certain one has the same sides, and no certain two side by side have them: without a gap that
+    /// shows they look like one.
+    pub fn is_confirmed_by(&self, certain: &[Self]) -> bool {
         /// Two sides measured, each to less than two millimetres.
         const ALIKE: f64 = 0.003;
-        let (a, b) = (&self.found.size, &certain.found.size);
-        (a.length - b.length).abs() < ALIKE && (a.width - b.width).abs() < ALIKE
+        let BoxSize { length, width, .. } = self.found.size;
+        let seen = |sides: [f64; 2]| {
+            let (long, short) = (sides[0].max(sides[1]), sides[0].min(sides[1]));
+            certain.iter().any(|other| {
+                let size = &other.found.size;
+                (size.length - long).abs() < ALIKE && (size.width - short).abs() < ALIKE
+            })
+        };
+        seen([length, width]) && !seen([length / 2.0, width]) && !seen([length, width / 2.0])
     }
 }
 
