@@ -9,6 +9,14 @@ use crate::{gate::DepthImage, patch::pixel_pitch, plane::PlaneFrame};
 pub struct Beyond {
     /// The surface ends: something deeper, or a gap.
     pub open: f64,
+    /// Pixels are missing, but one that is surface comes already within a pixel beyond the side: a narrow gap with
+    /// the neighbour behind it shows so, and so do lost pixels on a surface that goes on.
+    pub narrow: f64,
+    /// Something nearer comes next, but after more unmeasured pixels than an edge loses: in them there is a gap, or a
+    /// shadow that what is nearer throws on the surface. From one place that looks the same.
+    pub beside: f64,
+    /// Part of `hidden`: the foot of what is nearer is within the side, so it stands over the surface.
+    pub over: f64,
     /// Something nearer comes first, or next after what was not measured: where the surface ends is unknown.
     pub hidden: f64,
     /// Part of `open`: what is measured there lies only a little deeper, and stays so.
@@ -27,7 +35,11 @@ enum End {
     Open {
         thin: bool,
     },
-    Hidden,
+    Narrow,
+    Beside,
+    Hidden {
+        over: bool,
+    },
     /// The surface goes on, or the image ends.
     None,
 }
@@ -65,7 +77,12 @@ pub fn beyond(
                 result.open += share;
                 result.thin += if thin { share } else { 0.0 };
             }
-            End::Hidden => result.hidden += share,
+            End::Narrow => result.narrow += share,
+            End::Beside => result.beside += share,
+            End::Hidden { over } => {
+                result.hidden += share;
+                result.over += if over { share } else { 0.0 };
+            }
             End::None => {}
         }
     }
@@ -105,15 +122,38 @@ impl Look<'_> {
 
     /// Follows one line outwards from a point on the side.
     fn along(&self, on_side: &Vector) -> End {
-        /// Where the last pixel of the surface is looked for, pixels from the side.
-        const WINDOW: [i32; 2] = [-4, 1];
-        let on = |s: &Seen| s.z > 0.0 && (s.z - s.expected).abs() <= self.tolerance;
-        let last = (WINDOW[0]..=WINDOW[1])
-            .rev()
-            .find(|&s| self.pixel(on_side, f64::from(s)).is_some_and(|p| on(&p)));
-        let Some(last) = last.map(f64::from) else {
+        /// Where the last pixel of the surface is looked for, pixels from the side: it is known to one.
+        const WINDOW: std::ops::RangeInclusive<i32> = -4..=1;
+        /// Where, if that goes on: beyond the narrowest gap that shows, less than two pixels wide, it is the
+        /// neighbour's.
+        const BEFORE: std::ops::RangeInclusive<i32> = -2..=0;
+        let is_on = |s: i32| {
+            self.pixel(on_side, f64::from(s))
+                .is_some_and(|p| self.is_on(&p))
+        };
+        let Some(last) = WINDOW.rev().find(|&s| is_on(s)) else {
             return End::None;
         };
+        let end = self.after(on_side, f64::from(last));
+        if !matches!(end, End::None) {
+            return end;
+        }
+        let before = BEFORE
+            .rev()
+            .find(|&s| s < last && is_on(s) && !is_on(s + 1));
+        match before.map(|last| self.after(on_side, f64::from(last))) {
+            Some(End::Open { .. }) => End::Narrow,
+            _ => End::None,
+        }
+    }
+
+    /// True for a pixel of the surface.
+    fn is_on(&self, s: &Seen) -> bool {
+        s.z > 0.0 && (s.z - s.expected).abs() <= self.tolerance
+    }
+
+    /// What comes after the last pixel of the surface.
+    fn after(&self, on_side: &Vector, last: f64) -> End {
         for n in 1..=LONGEST_SHADOW {
             let steps = last + n as f64;
             let Some(seen) = self.pixel(on_side, steps) else {
@@ -132,7 +172,7 @@ impl Look<'_> {
                     thin: self.stays_close(on_side, steps),
                 };
             }
-            if on(&seen) {
+            if self.is_on(&seen) {
                 let blind = n as f64 * self.pitch;
                 let gap = n > 1 && blind <= WIDEST_BLIND_GAP;
                 return if gap {
@@ -141,10 +181,9 @@ impl Look<'_> {
                     End::None
                 };
             }
-            // It may stand on the surface as well as behind a gap, and throw a shadow on it: from above that looks
-            // the same.
+            // It may stand on the surface as well as behind a gap.
             if self.is_taller(on_side, steps) {
-                return End::Hidden;
+                return self.beside(on_side, last, steps);
             }
         }
         End::Open { thin: false }
@@ -160,6 +199,32 @@ impl Look<'_> {
             .filter(|s| s.z > 0.0 && s.z < s.expected - self.tolerance)
             .count()
             >= LEAST
+    }
+
+    /// What is nearer at `steps` stands beside the surface where between the last pixel of that and it there is room
+    /// for a gap: to its foot, where it shows its wall to the camera, and to its border in the image, where that hides
+    /// its foot.
+    fn beside(&self, on_side: &Vector, last: f64, steps: f64) -> End {
+        /// An edge loses one pixel of its own surface and one of the next, pixels.
+        const LOST: f64 = 1.5;
+        let k = &self.image.intrinsics;
+        let (u, v) = k.project(&(on_side + self.outward * (steps * self.pitch)).into());
+        // The first pixel may be a mixed one.
+        let mut depths: Vec<f64> = (0..3)
+            .filter_map(|n| self.pixel(on_side, steps + f64::from(n)))
+            .filter(|s| s.z > 0.0)
+            .map(|s| s.z)
+            .collect();
+        let middle = depths.len() / 2;
+        let depth = *depths.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let ray = k.ray(u.round(), v.round());
+        let foot = (ray * depth - on_side).dot(&self.outward) / self.pitch;
+        let free = steps.min(foot) - last - 1.0;
+        if free >= LOST && free * self.pitch <= WIDEST_BLIND_GAP {
+            End::Beside
+        } else {
+            End::Hidden { over: foot < 0.0 }
+        }
     }
 
     /// True when beyond a side, as far as the widest gap, nearly everything is measured, a little deeper.

@@ -3,7 +3,7 @@
 use depal_frames::{BoxSize, DepthFrame, Point};
 
 use crate::{
-    DetectedBox, Detection, VisionSettings,
+    DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
     components::{Component, components},
     gate::{DepthImage, gate},
     inset::place_by_insets,
@@ -77,13 +77,28 @@ pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detecti
         return detection;
     }
     let mask = surface_mask(&image, &image.lone_holes(), settings.step);
-    let mut found = Vec::new();
+    let mut measured = Vec::new();
     for component in components(&mask, image.width) {
         match Surface::new(component, &image, settings, SMALLEST_MEASURED)
             .and_then(|mut s| s.measure(&mask, &image, settings).map_err(Some))
         {
-            Ok(measured) => found.push(measured),
+            Ok(top) => measured.push(top),
             Err(rejected) => detection.rejected.extend(rejected),
+        }
+    }
+    let (in_question, certain): (Vec<_>, Vec<_>) =
+        measured.into_iter().partition(|top| top.in_question);
+    let mut found: Vec<DetectedBox> = certain.iter().map(|top| top.found.clone()).collect();
+    for top in in_question {
+        if top.is_confirmed_by(&certain) {
+            found.push(top.found);
+        } else {
+            let size = top.found.size;
+            detection.rejected.push(RejectedSurface {
+                reason: RejectReason::NoKnownSize,
+                centre_in_camera: Point::from(top.found.camera_from_box.translation.vector),
+                area: size.length * size.width,
+            });
         }
     }
     keep_best(found, settings, &mut detection);

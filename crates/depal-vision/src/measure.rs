@@ -22,6 +22,33 @@ const WHOLE: f64 = 0.93;
 /// Axis and sign of each side.
 const SIDES: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
 
+/// A top that was measured.
+pub struct Measured {
+    /// Its box.
+    pub found: DetectedBox,
+    /// True when beside one of its sides something nearer stands, behind a gap or on the surface with a shadow beside
+    /// it: only a carton of the same sides that is seen whole tells that this one is.
+    pub in_question: bool,
+}
+
+impl Measured {
+    /// True when a certain one has the same sides, and no certain two side by side have them: without a gap that
+    /// shows they look like one.
+    pub fn is_confirmed_by(&self, certain: &[Self]) -> bool {
+        /// Two sides measured, each to less than two millimetres.
+        const ALIKE: f64 = 0.003;
+        let BoxSize { length, width, .. } = self.found.size;
+        let seen = |sides: [f64; 2]| {
+            let (long, short) = (sides[0].max(sides[1]), sides[0].min(sides[1]));
+            certain.iter().any(|other| {
+                let size = &other.found.size;
+                (size.length - long).abs() < ALIKE && (size.width - short).abs() < ALIKE
+            })
+        };
+        seen([length, width]) && !seen([length / 2.0, width]) && !seen([length, width / 2.0])
+    }
+}
+
 /// The one rectangle that a patch is, if it is one. The patch reaches `margin` metres beyond the surface,
 /// and its neighbours show in there.
 pub fn measure_whole(
@@ -30,7 +57,7 @@ pub fn measure_whole(
     settings: &VisionSettings,
     area: f64,
     margin: f64,
-) -> Result<DetectedBox, RejectedSurface> {
+) -> Result<Measured, RejectedSurface> {
     let reject = |reason| RejectedSurface {
         reason,
         centre_in_camera: patch.frame.origin,
@@ -59,15 +86,17 @@ pub fn measure_whole(
     if found.proven_sides < 4 || found.visible_fraction < WHOLE {
         return Err(reject(RejectReason::NoKnownSize));
     }
-    if !falls_away(image, &found, settings.plane_tolerance) {
-        return Err(reject(RejectReason::NoKnownSize));
-    }
+    let in_question = match ending(image, &found, settings.plane_tolerance) {
+        Ending::Certain => false,
+        Ending::InQuestion => true,
+        Ending::Unknown => return Err(reject(RejectReason::NoKnownSize)),
+    };
     // A smeared step has no outermost pixel.
     if settings.smear_px < LEAST_SMEAR {
         let tolerance = sharp.min(settings.plane_tolerance);
         found = measured(image, found, tolerance, patch.pitch);
     }
-    Ok(found)
+    Ok(Measured { found, in_question })
 }
 
 /// Axes on the top of a found box, X along its length.
@@ -85,12 +114,24 @@ fn top(found: &DetectedBox) -> PlaneFrame {
     }
 }
 
-/// True when the surface ends at all four sides, and not as a sheet does: whole cartons only.
-fn falls_away(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> bool {
+/// How a surface ends at its four sides.
+enum Ending {
+    /// At all four, seen.
+    Certain,
+    /// At all four, if there is a gap before what stands beside it.
+    InQuestion,
+    /// Something may hide part of it, or it is a sheet.
+    Unknown,
+}
+
+/// How the surface ends at all four sides: whole cartons only.
+fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> Ending {
     /// Share of a side at which it must be seen to end: noise and lost pixels leave more of any true side.
     const LEAST_OPEN: f64 = 0.6;
     /// Share of a side that something nearer may hide: the rest says where it is.
     const MOST_HIDDEN: f64 = 0.2;
+    /// Share of a side over which something stands: single lines may err.
+    const MOST_OVER: f64 = 0.03;
     /// So many sides beneath which something lies close by are those of a sheet; at one, a lower carton may
     /// stand without a gap.
     const SHEET: usize = 2;
@@ -99,14 +140,23 @@ fn falls_away(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> bool {
     let frame = top(found);
     let extents = [found.size.length, found.size.width];
     let mut thin = 0;
+    let mut in_question = false;
     for side in SIDES {
         let seen = beyond(image, &frame, extents, side, tolerance);
-        if seen.open < LEAST_OPEN || seen.hidden > MOST_HIDDEN {
-            return false;
+        if seen.open + seen.narrow + seen.beside < LEAST_OPEN
+            || seen.hidden > MOST_HIDDEN
+            || seen.over > MOST_OVER
+        {
+            return Ending::Unknown;
         }
+        in_question |= seen.open < LEAST_OPEN || seen.beside + seen.hidden > MOST_HIDDEN;
         thin += usize::from(seen.thin >= MOSTLY_THIN * seen.open);
     }
-    thin < SHEET
+    match (thin < SHEET, in_question) {
+        (false, _) => Ending::Unknown,
+        (true, true) => Ending::InQuestion,
+        (true, false) => Ending::Certain,
+    }
 }
 
 /// The same box with its sides where its surface ends.

@@ -11,7 +11,7 @@ use crate::{
     even::is_even,
     gate::DepthImage,
     joint::place_together,
-    measure::measure_whole,
+    measure::{Measured, measure_whole},
     orientation::{main_direction, outline},
     outlined::outlined,
     patch::{Grid, Patch, SHARP_RIM, pixel_pitch},
@@ -282,7 +282,7 @@ impl Surface {
         mask: &[u8],
         image: &DepthImage,
         settings: &VisionSettings,
-    ) -> Result<DetectedBox, RejectedSurface> {
+    ) -> Result<Measured, RejectedSurface> {
         let patch = self.patch(mask, image, settings, &[])?;
         let margin = margin(settings, patch.pitch);
         measure_whole(&patch, image, settings, self.area, margin)

@@ -164,6 +164,38 @@ fn a_higher_neighbour_beside_a_gap_covers_nothing() {
     }
 }
 
+/// Beside a higher carton a gap is to be seen, or not: what is reported there is whole.
+#[test]
+fn lower_cartons_beside_a_higher_one_are_measured_whole() {
+    let (mut found, mut all) = (0, 0);
+    for gap in [0.005, 0.008] {
+        for seed in 0..3u64 {
+            let mut cartons = layer(Layout::Regular, gap, LOW, 60 + seed);
+            for raised in [5, 6, 9] {
+                cartons[raised].top += HEIGHT;
+            }
+            let under = [5, 6, 9].map(|n: usize| Carton {
+                top: LOW,
+                ..cartons[n]
+            });
+            let frame = scene(&cartons, &under, 60 + seed);
+            for b in &detect_any_size(&frame, &settings(&frame)).boxes {
+                let carton = meant(&cartons, b).expect("a carton is there");
+                assert!(
+                    (b.size.length - carton.size[0]).abs() < 0.004
+                        && (b.size.width - carton.size[1]).abs() < 0.004,
+                    "gap {gap} seed {seed}: {:?}",
+                    b.size
+                );
+                found += 1;
+            }
+            all += cartons.len();
+        }
+    }
+    // Where the gap is not told from what stands on the surface it is 54; the raised ones hide some by perspective.
+    assert!(found >= 57, "{found} of {all}");
+}
+
 /// Both sensor models, cartons square to the pixels and turned: within two millimetres.
 #[test]
 fn measured_sides() {
