@@ -56,8 +56,8 @@ pub(crate) fn take_picture(
     let Capture { frame, ids, .. } =
         capture(&spec.camera, &world_from_camera, &seen.shapes, noise_seed);
     let base_from_camera = spec.base_from_camera(reported);
-    let settings = project.settings_from(&base_from_camera);
     let started = stopwatch();
+    let settings = project.settings_from(&base_from_camera).suited_to(&frame);
     let detection = detect(&frame, &settings);
     score.vision_ms.push((stopwatch() - started) * 1e3);
 
