@@ -41,10 +41,14 @@ fn deviation(depth: &[f32], width: usize, lag: usize) -> Option<f64> {
         return None;
     }
     let stride = (depth.len() / SAMPLES).max(1) | 1;
-    let mut bends: Vec<f32> = depth
-        .chunks_exact(width)
-        .flat_map(|row| row.windows(2 * lag + 1).map(|w| [w[0], w[lag], w[2 * lag]]))
+    let in_row = width - 2 * lag;
+    let mut bends: Vec<f32> = (0..depth.len() / width * in_row)
         .step_by(stride)
+        .map(|n| {
+            let row = &depth[n / in_row * width..][..width];
+            let first = n % in_row;
+            [row[first], row[first + lag], row[first + 2 * lag]]
+        })
         .filter(|w| w.iter().all(|&z| z > 0.0 && z.is_finite()))
         .map(|w| (w[0] - 2.0 * w[1] + w[2]).abs())
         .collect();
