@@ -33,10 +33,15 @@ pub struct DetectArgs {
     /// Write a picture of the result to this file.
     #[arg(long, value_name = "FILE.png")]
     overlay: Option<PathBuf>,
-    /// Print the result as one JSON document on stdout.
+    /// Print the result as one JSON document on stdout; its time is the least of three estimations.
     #[arg(long)]
     json: bool,
 }
+
+/// Estimations that are timed; the least time counts, as other work on the computer only adds to it.
+const TIMED_ESTIMATIONS: usize = 3;
+/// After so long no further one is timed, ms.
+const LONGEST_TIMING_MS: f64 = 200.0;
 
 /// Reads, estimates, prints.
 pub fn detect(args: &DetectArgs) -> Result<(), Failure> {
@@ -61,14 +66,27 @@ pub fn detect(args: &DetectArgs) -> Result<(), Failure> {
             None => Vec::new(),
         },
     };
-    let started = Instant::now();
-    let settings = VisionSettings::new(sizes).suited_to(&frame);
-    let detection = if args.boxes.is_empty() {
-        depal_vision::detect_any_size(&frame, &settings)
-    } else {
-        depal_vision::detect(&frame, &settings)
+    let estimate = || {
+        let started = Instant::now();
+        let settings = VisionSettings::new(sizes.clone()).suited_to(&frame);
+        let detection = if sizes.is_empty() {
+            depal_vision::detect_any_size(&frame, &settings)
+        } else {
+            depal_vision::detect(&frame, &settings)
+        };
+        (detection, started.elapsed().as_secs_f64() * 1e3)
     };
-    let time_ms = started.elapsed().as_secs_f64() * 1e3;
+    // The first estimation fetches memory; the others are what a camera's computer does again and again.
+    let (detection, mut time_ms) = estimate();
+    let mut spent_ms = time_ms;
+    for _ in 1..TIMED_ESTIMATIONS {
+        if spent_ms > LONGEST_TIMING_MS {
+            break;
+        }
+        let (_, again_ms) = estimate();
+        time_ms = time_ms.min(again_ms);
+        spent_ms += again_ms;
+    }
 
     if let Some(path) = &args.overlay {
         write(
