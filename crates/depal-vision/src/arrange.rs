@@ -9,7 +9,7 @@ use crate::{
     ink::dark_sides,
     patch::Patch,
     relief::Relief,
-    seams::{LEAST_LINE, SEEN_SEAM, islands, seams_seen, touches, widest_gap},
+    seams::{LEAST_LINE, SEEN_SEAM, any_seam, islands, seams_seen, touches, widest_gap},
     search::Candidate,
     unknown::Unknown,
 };
@@ -53,20 +53,28 @@ pub struct Arrangement {
     pub plain: bool,
 }
 
-/// Covers what `fixed` leaves uncovered. `None` when the known sizes cannot cover it. `beside`: the
-/// sizes that stand proven beside the patch.
-pub fn arrange(
-    patch: &Patch,
-    tolerance: f64,
-    sizes: &[BoxSize],
-    fixed: &[Candidate],
-    beside: &[u32],
-    image: &DepthImage,
-) -> Option<Arrangement> {
+/// A surface that is to be covered.
+pub struct Open<'a> {
+    pub patch: &'a Patch,
+    pub image: &'a DepthImage<'a>,
+    /// How far a pixel may lie from its carton's plane, metres.
+    pub tolerance: f64,
+    /// The known sizes.
+    pub sizes: &'a [BoxSize],
+    /// Which of them stand proven beside the patch.
+    pub beside: &'a [u32],
+}
+
+/// Covers what `fixed` leaves uncovered. `None` when the known sizes cannot cover it.
+pub fn arrange(open: &Open, fixed: &[Candidate]) -> Option<Arrangement> {
+    let Open {
+        patch,
+        image,
+        tolerance,
+        ..
+    } = *open;
     let with = |fixed: &[Candidate], unbroken: bool, unknown: Option<&Unknown>| {
-        arrange_with(
-            patch, tolerance, sizes, fixed, beside, image, unbroken, unknown,
-        )
+        arrange_with(open, fixed, unbroken, unknown)
     };
     // Where steps are smeared, so are the heights beside them.
     if patch.is_smeared() {
@@ -110,17 +118,19 @@ fn is_one_plane(patch: &Patch) -> bool {
 
 /// `unbroken`: no height break runs through a carton. With `unknown` what is hidden or not measured may be part of
 /// cartons; only those are kept whose heights and edges prove them.
-#[allow(clippy::too_many_arguments)]
 fn arrange_with(
-    patch: &Patch,
-    tolerance: f64,
-    sizes: &[BoxSize],
+    open: &Open,
     fixed: &[Candidate],
-    beside: &[u32],
-    image: &DepthImage,
     unbroken: bool,
     unknown: Option<&Unknown>,
 ) -> Option<Arrangement> {
+    let Open {
+        patch,
+        image,
+        tolerance,
+        sizes,
+        beside,
+    } = *open;
     let uneven = tolerance * UNEVEN;
     let Covering {
         least,
@@ -189,7 +199,7 @@ fn arrange_with(
                 readings[1..]
                     .iter()
                     .filter(|r| merit(r) > merit(&best) - lead)
-                    .all(|r| r.iter().any(|o| alike(b, o)))
+                    .all(|r| r.iter().any(|o| b.is_like(o)))
             })
             .copied()
             .collect();
@@ -202,17 +212,9 @@ fn arrange_with(
         });
     }
     unique |= seams_seen(&best, patch.pitch) >= MOST_SEAMS;
-    let has_seam = best.iter().any(|a| {
-        (0..4).any(|side| {
-            a.sides[side] >= SEEN_SEAM
-                && best
-                    .iter()
-                    .any(|b| b.first != a.first && touches(a, b, side, patch.pitch))
-        })
-    });
     // One carton in a pit of higher ones stands on nothing that is seen, but all its sides are.
     let framed = best.len() == 1 && best[0].sides.iter().all(|&s| s >= FRAMED);
-    let plain = level && !has_seam && !framed;
+    let plain = level && !any_seam(&best, patch.pitch) && !framed;
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
         .filter(|r| merit(r) > merit(&best) - lead && !same(&best, r))
@@ -222,7 +224,7 @@ fn arrange_with(
         let shared = best
             .iter()
             .filter(|_| !level)
-            .filter(|b| rivals.iter().all(|r| r.iter().any(|o| alike(b, o))))
+            .filter(|b| rivals.iter().all(|r| r.iter().any(|o| b.is_like(o))))
             .copied()
             .collect();
         return Some(Arrangement {
@@ -314,7 +316,7 @@ fn is_needless(finer: &[Candidate], coarser: &[Candidate], relief: &Relief, nois
         plane.squares - noise * plane.blocks as f64
     };
     coarser.iter().all(|whole| {
-        if finer.iter().any(|c| alike(c, whole)) {
+        if finer.iter().any(|c| c.is_like(whole)) {
             return true;
         }
         let parts: Vec<&Candidate> = finer.iter().filter(|c| c.overlap(whole) > 0.9).collect();
@@ -371,13 +373,6 @@ fn merit(boxes: &[Candidate], fixed: &[Candidate], pitch: f64) -> f64 {
     4.0 * seen / f64::max(whole, 1.0)
 }
 
-/// The same carton, give or take what rows of boxes drift by.
-pub fn alike(a: &Candidate, b: &Candidate) -> bool {
-    a.label == b.label
-        && a.turned == b.turned
-        && (0..2).all(|k| a.first[k].abs_diff(b.first[k]) <= 6)
-}
-
 fn same(a: &[Candidate], b: &[Candidate]) -> bool {
-    a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| alike(x, y)))
+    a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| x.is_like(y)))
 }

@@ -1,5 +1,9 @@
 //! Rectangles that are left out of a patch: cartons that were found before.
 
+use depal_frames::{Point, Vector};
+
+use crate::{DetectedBox, plane::PlaneFrame};
+
 /// A rectangle in the axes of a grid that is no part of the surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Blank {
@@ -11,6 +15,18 @@ pub struct Blank {
 }
 
 impl Blank {
+    /// A found box in the axes of a grid's frame.
+    pub fn of(found: &DetectedBox, frame: &PlaneFrame) -> Self {
+        let pose = &found.camera_from_box;
+        let offset = Point::from(pose.translation.vector) - frame.origin;
+        let x = pose.rotation * Vector::x();
+        Self {
+            middle: [offset.dot(&frame.x), offset.dot(&frame.y)],
+            half: [found.size.length / 2.0, found.size.width / 2.0],
+            turn: x.dot(&frame.y).atan2(x.dot(&frame.x)),
+        }
+    }
+
     /// True of a point inside, metres along the grid's axes.
     pub fn holds(&self, x: f64, y: f64) -> bool {
         let (s, c) = self.turn.sin_cos();

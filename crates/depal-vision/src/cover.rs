@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use depal_frames::BoxSize;
 
 use crate::{
-    arrange::alike,
     breaks::Breaks,
+    misfit::{Misfit, OVERFIT_BLOCKS, WORSE_BLOCKS, WORSE_SHARE, apart},
     patch::{BLOCK, Patch},
     relief::Relief,
     search::{Candidate, climb, extents, has_seam, measure},
@@ -19,12 +19,6 @@ const MOST_TRIES: usize = 20_000;
 const MOST_TRIES_WITH_UNKNOWN: usize = 6_000;
 /// Readings compared before deciding.
 const MOST_READINGS: usize = 16;
-/// A reading is out of the question when its cartons are less plane than those of the best one by this
-/// share, and by this many times the mean of a block.
-const WORSE_SHARE: f64 = 0.004;
-const WORSE_BLOCKS: f64 = 30.0;
-/// Each carton more explains so many means of a block of noise, for its plane fits that as well.
-const OVERFIT_BLOCKS: f64 = 20.0;
 /// While only a part is covered: a covering that is so far worse than the best one on the same blocks by so many
 /// means of a block will not make up for it.
 const HOPELESS_BLOCKS: f64 = 90.0;
@@ -139,57 +133,6 @@ pub fn uncovered(patch: &Patch, boxes: &[Candidate]) -> f64 {
     (open * BLOCK * BLOCK) as f64 * patch.pitch * patch.pitch
 }
 
-/// How little plane the cartons of a reading are.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Misfit {
-    pub squares: f64,
-    pub blocks: usize,
-    pub cartons: usize,
-}
-
-impl Misfit {
-    /// Mean square of a block, square metres.
-    pub fn mean(&self) -> f64 {
-        self.squares / self.blocks.max(1) as f64
-    }
-
-    /// What it is by more than the noise of its blocks (variance, square metres): sides that cross many blocks
-    /// leave fewer of them to judge by, which is no merit.
-    fn beyond(&self, noise: f64) -> f64 {
-        self.squares - noise * self.blocks as f64
-    }
-
-    /// True when another reading of the same surface is out of the question beside this one. `whole`: all of the
-    /// best reading; the larger it is, the more places there are where a wrong one may fit by chance. `lump`: blocks
-    /// over which noise hangs together.
-    fn rules_out(&self, other: &Self, whole: &Self, lump: f64) -> bool {
-        let mean = whole.mean();
-        let fewer = self.cartons as f64 - other.cartons as f64;
-        let limit = whole.squares * WORSE_SHARE
-            + (WORSE_BLOCKS + OVERFIT_BLOCKS * fewer.max(0.0)) * mean * lump;
-        other.beyond(mean) - self.beyond(mean) > limit
-    }
-}
-
-/// The misfits of the cartons in which two readings differ. What they share says nothing about which of them it is:
-/// on a large layer its noise would drown the few cartons that do.
-fn apart(relief: &Relief, best: &[Candidate], other: &[Candidate]) -> [Misfit; 2] {
-    let of = |these: &[Candidate], those: &[Candidate]| {
-        these
-            .iter()
-            .filter(|c| !those.iter().any(|o| alike(c, o)))
-            .fold(Misfit::default(), |sum, c| {
-                let own = relief.misfit(&[*c]);
-                Misfit {
-                    squares: sum.squares + own.squares,
-                    blocks: sum.blocks + own.blocks,
-                    cartons: sum.cartons + 1,
-                }
-            })
-    };
-    [of(best, other), of(other, best)]
-}
-
 struct Search<'a> {
     patch: &'a Patch,
     kinds: Vec<(u32, bool, [usize; 2])>,
@@ -203,7 +146,7 @@ struct Search<'a> {
     tries: usize,
     most_tries: usize,
     uneven: Option<f64>,
-    unknown: Option<&'a Unknown>,
+    unknown: Option<&'a Unknown<'a>>,
     /// The best complete covering so far.
     least: Option<Misfit>,
     /// Of that one: what each block adds to its misfit, summed over all blocks below and left.

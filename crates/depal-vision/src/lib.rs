@@ -88,6 +88,7 @@ mod ink;
 mod inset;
 mod joint;
 mod measure;
+mod misfit;
 mod neighbours;
 mod noise;
 mod obstacles;

@@ -244,15 +244,21 @@ impl Patch {
             .wrapping_add(sum(i0, j0))
     }
 
-    /// Share of surface of the cells `i0..i1` x `j0..j1`, clipped to the patch.
-    pub fn surface(&self, i0: isize, j0: isize, i1: isize, j1: isize) -> f64 {
+    /// What of the cells `i0..i1` x `j0..j1` lies on the patch (i0, j0, i1, j1), and how many they are with what lies
+    /// beyond; `None` where nothing is left.
+    pub fn clipped(&self, i0: isize, j0: isize, i1: isize, j1: isize) -> Option<([usize; 4], f64)> {
         let cells = ((i1 - i0).max(0) * (j1 - j0).max(0)) as f64;
         let clip = |v: isize, high: usize| v.clamp(0, high as isize) as usize;
         let (i0, i1) = (clip(i0, self.columns), clip(i1, self.columns));
         let (j0, j1) = (clip(j0, self.rows), clip(j1, self.rows));
-        if cells == 0.0 || i1 <= i0 || j1 <= j0 {
+        (i1 > i0 && j1 > j0).then_some(([i0, j0, i1, j1], cells))
+    }
+
+    /// Share of surface of the cells `i0..i1` x `j0..j1`, clipped to the patch.
+    pub fn surface(&self, i0: isize, j0: isize, i1: isize, j1: isize) -> f64 {
+        let Some(([i0, j0, i1, j1], cells)) = self.clipped(i0, j0, i1, j1) else {
             return 0.0;
-        }
+        };
         f64::from(self.surface_cells(i0, j0, i1, j1)) / cells
     }
 

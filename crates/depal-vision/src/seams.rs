@@ -8,6 +8,18 @@ pub const SEEN_SEAM: f64 = 0.1;
 /// Share of dark line from which on it is one.
 pub const LEAST_LINE: f64 = 0.6;
 
+/// True when a side between two boxes shows a seam.
+pub fn any_seam(boxes: &[Candidate], pitch: f64) -> bool {
+    boxes.iter().any(|a| {
+        (0..4).any(|side| {
+            a.sides[side] >= SEEN_SEAM
+                && boxes
+                    .iter()
+                    .any(|b| b.first != a.first && touches(a, b, side, pitch))
+        })
+    })
+}
+
 /// Share of the sides between two boxes that show a seam; 0 where no two touch.
 pub fn seams_seen(boxes: &[Candidate], pitch: f64) -> f64 {
     let (mut inner, mut seen) = (0, 0);

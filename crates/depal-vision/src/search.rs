@@ -26,6 +26,13 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// True when both are the same carton, give or take some cells.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.label == other.label
+            && self.turned == other.turned
+            && (0..2).all(|k| self.first[k].abs_diff(other.first[k]) <= 6)
+    }
+
     /// Middle in plane coordinates of the patch's frame.
     pub fn centre(&self, patch: &Patch) -> (f64, f64) {
         (

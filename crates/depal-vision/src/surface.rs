@@ -1,10 +1,8 @@
 //! One flat surface: its plane, its direction, and the cartons on it.
 
-use depal_frames::{Point, Vector};
-
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
-    arrange::arrange,
+    arrange::{Open, arrange},
     blank::Blank,
     components::Component,
     cover::uncovered,
@@ -204,7 +202,7 @@ impl Surface {
             soft_px: settings.smear_px.max(2 * settings.average_px),
             averaged: settings.average_px > 0,
         };
-        let blanks: Vec<Blank> = found.iter().map(|b| blank(b, &frame)).collect();
+        let blanks: Vec<Blank> = found.iter().map(|b| Blank::of(b, &frame)).collect();
         Ok(Patch::new(image, &grid, &blanks, settings.plane_tolerance))
     }
 
@@ -326,14 +324,14 @@ impl Surface {
             // Such a camera shows few seams: what stands elsewhere says which sizes there are.
             labels.extend(proven);
         }
-        let Some(arrangement) = arrange(
-            &patch,
-            settings.plane_tolerance,
-            &settings.sizes,
-            &fixed,
-            &labels,
+        let open = Open {
+            patch: &patch,
             image,
-        ) else {
+            tolerance: settings.plane_tolerance,
+            sizes: &settings.sizes,
+            beside: &labels,
+        };
+        let Some(arrangement) = arrange(&open, &fixed) else {
             if boxes.is_empty() {
                 rejected.push(self.rejected(RejectReason::NoKnownSize));
             }
@@ -407,16 +405,4 @@ impl Surface {
 /// How far a patch reaches beyond its surface, which ends early where steps are smeared, metres.
 fn margin(settings: &VisionSettings, pitch: f64) -> f64 {
     MARGIN + settings.smear_px.min(30) as f64 * pitch
-}
-
-/// A found box as a rectangle in the axes of a patch's frame.
-fn blank(found: &DetectedBox, frame: &PlaneFrame) -> Blank {
-    let pose = &found.camera_from_box;
-    let offset = Point::from(pose.translation.vector) - frame.origin;
-    let x = pose.rotation * Vector::x();
-    Blank {
-        middle: [offset.dot(&frame.x), offset.dot(&frame.y)],
-        half: [found.size.length / 2.0, found.size.width / 2.0],
-        turn: x.dot(&frame.y).atan2(x.dot(&frame.x)),
-    }
 }

@@ -4,16 +4,15 @@
 use crate::{gate::DepthImage, patch::Patch, resample::ResampledRow};
 
 /// Sums over the unknown cells of a patch.
-pub struct Unknown {
-    columns: usize,
-    rows: usize,
+pub struct Unknown<'a> {
+    patch: &'a Patch,
     /// Unknown cells of all cells below and left.
     sums: Vec<u32>,
 }
 
-impl Unknown {
+impl<'a> Unknown<'a> {
     /// Looks at every cell of the patch once more; what was left out of it is not unknown.
-    pub fn new(image: &DepthImage, patch: &Patch, tolerance: f64) -> Self {
+    pub fn new(image: &DepthImage, patch: &'a Patch, tolerance: f64) -> Self {
         let (columns, rows) = (patch.columns, patch.rows);
         let mut row = ResampledRow::new(columns);
         let mut above = vec![0u32; columns + 1];
@@ -37,23 +36,15 @@ impl Unknown {
             }
             sums.extend_from_slice(&above);
         }
-        Self {
-            columns,
-            rows,
-            sums,
-        }
+        Self { patch, sums }
     }
 
     /// Share of the cells `i0..i1` x `j0..j1` that is unknown; beyond the patch nothing is.
     pub fn share(&self, i0: isize, j0: isize, i1: isize, j1: isize) -> f64 {
-        let cells = ((i1 - i0).max(0) * (j1 - j0).max(0)) as f64;
-        let clip = |v: isize, high: usize| v.clamp(0, high as isize) as usize;
-        let (i0, i1) = (clip(i0, self.columns), clip(i1, self.columns));
-        let (j0, j1) = (clip(j0, self.rows), clip(j1, self.rows));
-        if cells == 0.0 || i1 <= i0 || j1 <= j0 {
+        let Some(([i0, j0, i1, j1], cells)) = self.patch.clipped(i0, j0, i1, j1) else {
             return 0.0;
-        }
-        let sum = |i: usize, j: usize| self.sums[j * (self.columns + 1) + i];
+        };
+        let sum = |i: usize, j: usize| self.sums[j * (self.patch.columns + 1) + i];
         let unknown = sum(i1, j1) + sum(i0, j0) - sum(i0, j1) - sum(i1, j0);
         f64::from(unknown) / cells
     }
