@@ -3,13 +3,14 @@
 use depal_frames::{BoxSize, DepthFrame, Point};
 
 use crate::{
-    DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
+    DetectedBox, Detection, VisionSettings,
     components::{Component, components},
     gate::{DepthImage, gate},
     inset::place_by_insets,
     neighbours::neighbours,
     obstacles::obstacle_points,
     steps::surface_mask,
+    support::believed,
     surface::Surface,
     turn_together::turn_together,
 };
@@ -86,21 +87,8 @@ pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detecti
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
-    let (in_question, certain): (Vec<_>, Vec<_>) =
-        measured.into_iter().partition(|top| top.in_question);
-    let mut found: Vec<DetectedBox> = certain.iter().map(|top| top.found.clone()).collect();
-    for top in in_question {
-        if top.is_confirmed_by(&certain) {
-            found.push(top.found);
-        } else {
-            let size = top.found.size;
-            detection.rejected.push(RejectedSurface {
-                reason: RejectReason::NoKnownSize,
-                centre_in_camera: Point::from(top.found.camera_from_box.translation.vector),
-                area: size.length * size.width,
-            });
-        }
-    }
+    let (found, refused) = believed(measured);
+    detection.rejected.extend(refused);
     keep_best(found, settings, &mut detection);
     detection.obstacle_points = obstacle_points(&image, &detection.boxes, settings.obstacle_voxel);
     detection

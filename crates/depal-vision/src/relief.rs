@@ -103,15 +103,12 @@ impl Relief {
                 *sum += more;
             }
         }
-        let [count, .., squares] = sums;
-        let Some(plane) = plane_of(&sums) else {
-            return PlaneMisfit::default();
-        };
-        let explained = plane[0] * sums[6] + plane[1] * sums[7] + plane[2] * sums[8];
-        PlaneMisfit {
-            squares: (squares - explained).max(0.0),
-            blocks: count as usize,
-        }
+        misfit_of(&sums)
+    }
+
+    /// How badly one plane explains the heights of some columns and rows of blocks.
+    pub fn misfit_within(&self, i: Range<usize>, j: Range<usize>) -> PlaneMisfit {
+        misfit_of(&self.sums_within(&i, &j))
     }
 
     /// The plane through the heights of some columns and rows of blocks; `None` of too few.
@@ -179,6 +176,18 @@ fn plane_of(sums: &Sums) -> Option<Vector3<f64>> {
     }
     let factor = normal_of(sums).cholesky()?;
     Some(factor.solve(&Vector3::new(h, xh, yh)))
+}
+
+fn misfit_of(sums: &Sums) -> PlaneMisfit {
+    let &[count, .., squares] = sums;
+    let Some(plane) = plane_of(sums) else {
+        return PlaneMisfit::default();
+    };
+    let explained = plane[0] * sums[6] + plane[1] * sums[7] + plane[2] * sums[8];
+    PlaneMisfit {
+        squares: (squares - explained).max(0.0),
+        blocks: count as usize,
+    }
 }
 
 /// Mean height of each block over the patch's plane, metres; `None` where little of it is surface.

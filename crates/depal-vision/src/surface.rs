@@ -9,7 +9,7 @@ use crate::{
     even::is_even,
     gate::DepthImage,
     joint::place_together,
-    measure::{Measured, measure_whole},
+    measure::measure_whole,
     orientation::{main_direction, outline},
     outlined::outlined,
     patch::{Grid, Patch, SHARP_RIM, pixel_pitch},
@@ -17,6 +17,7 @@ use crate::{
     search::{Candidate, extents, sides_with_edges},
     settle::settle,
     stands::{goes_on, stands},
+    support::Measured,
     verify::{Proof, verify},
 };
 

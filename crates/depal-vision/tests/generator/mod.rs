@@ -64,24 +64,6 @@ pub fn cartons(layout: Layout, gap: f64, seed: u64) -> Vec<Carton> {
 
 /// What the camera delivers of cartons over a slab and a floor.
 pub fn frame(cartons: &[Carton], noise: Noise, with_intensity: bool, seed: u64) -> DepthFrame {
-    let intrinsics = Intrinsics {
-        width: 1280,
-        height: 1024,
-        fx: 1216.0,
-        fy: 1216.0,
-        cx: 639.5,
-        cy: 511.5,
-    };
-    let spec = CameraSpec {
-        intrinsics,
-        near: 0.3,
-        far: 6.0,
-        baseline: 0.30,
-        sensor: SensorSpec {
-            shadow: true,
-            ..SensorSpec::ideal()
-        },
-    };
     let mut shapes: Vec<RenderShape> = cartons
         .iter()
         .enumerate()
@@ -101,10 +83,38 @@ pub fn frame(cartons: &[Carton], noise: Noise, with_intensity: bool, seed: u64) 
         0.0,
         Material::CONCRETE,
     ));
-    let rendering = render(&spec, &at(), &shapes);
+    frame_of(&shapes, noise, with_intensity, seed)
+}
+
+/// What the camera delivers of any shapes.
+pub fn frame_of(
+    shapes: &[RenderShape],
+    noise: Noise,
+    with_intensity: bool,
+    seed: u64,
+) -> DepthFrame {
+    let intrinsics = Intrinsics {
+        width: 1280,
+        height: 1024,
+        fx: 1216.0,
+        fy: 1216.0,
+        cx: 639.5,
+        cy: 511.5,
+    };
+    let spec = CameraSpec {
+        intrinsics,
+        near: 0.3,
+        far: 6.0,
+        baseline: 0.30,
+        sensor: SensorSpec {
+            shadow: true,
+            ..SensorSpec::ideal()
+        },
+    };
+    let rendering = render(&spec, &at(), shapes);
     let capture = sense(&spec, &rendering, seed);
     let mut frame = capture.frame;
-    lose_grazing(&mut frame, &capture.ids, &shapes);
+    lose_grazing(&mut frame, &capture.ids, shapes);
     frame.depth = sensed(&frame.depth, intrinsics.width, noise, seed);
     if !with_intensity {
         frame.intensity = Vec::new();
