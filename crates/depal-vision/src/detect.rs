@@ -4,6 +4,7 @@ use depal_frames::{BoxSize, DepthFrame, Point};
 
 use crate::{
     DetectedBox, Detection, VisionSettings,
+    again::look_again,
     components::{Component, components},
     gate::{DepthImage, gate},
     inset::place_by_insets,
@@ -78,16 +79,28 @@ pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detecti
         return detection;
     }
     let mask = surface_mask(&image, &image.lone_holes(), settings.step);
-    let mut measured = Vec::new();
+    let (mut measured, mut whole, mut open) = (Vec::new(), Vec::new(), Vec::new());
     for component in components(&mask, image.width) {
-        match Surface::new(component, &image, settings, SMALLEST_MEASURED)
-            .and_then(|mut s| s.measure(&mask, &image, settings).map_err(Some))
-        {
-            Ok(top) => measured.push(top),
+        match Surface::new(component, &image, settings, SMALLEST_MEASURED) {
+            Ok(mut surface) => match surface.measure(&mask, &image, settings) {
+                Ok(top) => {
+                    measured.push(top);
+                    whole.push(surface);
+                }
+                Err(refusal) => open.push((surface, Some(refusal))),
+            },
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
-    let (found, refused) = believed(measured);
+    let mut found: Vec<DetectedBox> = Vec::new();
+    for (judged, surface) in believed(measured).into_iter().zip(whole) {
+        match judged {
+            Ok(one) => found.push(one),
+            Err(refusal) => open.push((surface, Some(refusal))),
+        }
+    }
+    found.extend(look_again(&mut open, &found, &mask, &image, settings));
+    let refused = open.into_iter().filter_map(|(_, refusal)| refusal);
     detection.rejected.extend(refused);
     keep_best(found, settings, &mut detection);
     detection.obstacle_points = obstacle_points(&image, &detection.boxes, settings.obstacle_voxel);

@@ -70,6 +70,7 @@
     clippy::needless_bitwise_bool
 )]
 
+mod again;
 mod arrange;
 mod average;
 mod beyond;

@@ -119,14 +119,25 @@ enum Ending {
     Unknown,
 }
 
+/// Share of a side that something nearer may hide: the rest says where it is.
+const MOST_HIDDEN: f64 = 0.2;
+/// Share of a side over which something stands: single lines may err.
+const MOST_OVER: f64 = 0.03;
+
+/// True when nothing hides a side of a found box or stands over one.
+pub fn is_free(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> bool {
+    let frame = top(found);
+    let extents = [found.size.length, found.size.width];
+    SIDES.iter().all(|side| {
+        let seen = beyond(image, &frame, extents, *side, tolerance);
+        seen.hidden <= MOST_HIDDEN && seen.over <= MOST_OVER
+    })
+}
+
 /// How the surface ends at all four sides: whole cartons only.
 fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> Ending {
     /// Share of a side at which it must be seen to end: noise and lost pixels leave more of any true side.
     const LEAST_OPEN: f64 = 0.6;
-    /// Share of a side that something nearer may hide: the rest says where it is.
-    const MOST_HIDDEN: f64 = 0.2;
-    /// Share of a side over which something stands: single lines may err.
-    const MOST_OVER: f64 = 0.03;
     /// So many sides beneath which something lies close by are those of a sheet; at one, a lower carton may
     /// stand without a gap.
     const SHEET: usize = 2;

@@ -46,42 +46,68 @@ impl Measured {
     }
 }
 
-/// Those that are believed, with a confidence that says how well they are supported; the others with the reason.
-pub fn believed(measured: Vec<Measured>) -> (Vec<DetectedBox>, Vec<RejectedSurface>) {
+/// Each that is believed, with a confidence that says how well its size is supported; the others with the reason.
+pub fn believed(measured: Vec<Measured>) -> Vec<Result<DetectedBox, RejectedSurface>> {
     let supported = supported(&measured);
-    let (mut found, mut rejected) = (Vec::new(), Vec::new());
-    for top in measured {
-        let count = if top.standing == Standing::Parted {
-            0
-        } else {
-            supported
-                .iter()
-                .filter(|sides| are_alike(sides, &top.sides(), ALIKE))
-                .count()
-        };
-        if count > 0 {
-            let mut one = top.found;
-            one.confidence *= support(count);
-            found.push(one);
-        } else {
-            let [length, width] = top.sides();
-            rejected.push(RejectedSurface {
-                reason: if top.standing == Standing::InQuestion {
-                    RejectReason::NoKnownSize
-                } else {
-                    RejectReason::Ambiguous
-                },
-                centre_in_camera: Point::from(top.found.camera_from_box.translation.vector),
-                area: length * width,
+    let judged = |top: Measured| {
+        let alike = |sides: &&[f64; 2]| are_alike(sides, &top.sides(), ALIKE);
+        let count = supported.iter().filter(alike).count();
+        if count > 0 && top.standing != Standing::Parted {
+            let confidence = top.found.confidence * support(count);
+            return Ok(DetectedBox {
+                confidence,
+                ..top.found
             });
         }
+        let [length, width] = top.sides();
+        Err(RejectedSurface {
+            reason: if top.standing == Standing::InQuestion {
+                RejectReason::NoKnownSize
+            } else {
+                RejectReason::Ambiguous
+            },
+            centre_in_camera: Point::from(top.found.camera_from_box.translation.vector),
+            area: length * width,
+        })
+    };
+    measured.into_iter().map(judged).collect()
+}
+
+/// The different sizes of some tops, each the mean of those that are alike, and how many those are; largest first.
+pub fn sizes_of(found: &[DetectedBox]) -> Vec<(BoxSize, usize)> {
+    let mut sizes: Vec<([f64; 2], usize)> = Vec::new();
+    for one in found {
+        let sides = [one.size.length, one.size.width];
+        match sizes
+            .iter_mut()
+            .find(|(mean, _)| are_alike(mean, &sides, ALIKE))
+        {
+            Some((mean, count)) => {
+                let n = *count as f64;
+                *mean = [0, 1].map(|k| (mean[k] * n + sides[k]) / (n + 1.0));
+                *count += 1;
+            }
+            None => sizes.push((sides, 1)),
+        }
     }
-    (found, rejected)
+    sizes.sort_by(|(a, _), (b, _)| (b[0] * b[1]).total_cmp(&(a[0] * a[1])));
+    let size = |([length, width], count): ([f64; 2], usize)| {
+        let height = 0.0;
+        (
+            BoxSize {
+                length,
+                width,
+                height,
+            },
+            count,
+        )
+    };
+    sizes.into_iter().map(size).collect()
 }
 
 /// Share of the confidence that is left where a size was seen so often: a half is in doubt without any, and each top
 /// halves that.
-fn support(count: usize) -> f64 {
+pub fn support(count: usize) -> f64 {
     1.0 - 0.5f64.powi(1 + count.min(20) as i32)
 }
 

@@ -23,7 +23,12 @@ fn score(case: Case, gap: f64, sensor: Sensor, seeds: std::ops::Range<u64>) -> V
 #[test]
 fn touching_cartons_are_not_measured_as_one() {
     for sensor in SENSORS {
-        for case in [Case::TwoClusters, Case::RandomGaps, Case::MixedRandomGaps, Case::Staggered] {
+        for case in [
+            Case::TwoClusters,
+            Case::RandomGaps,
+            Case::MixedRandomGaps,
+            Case::Staggered,
+        ] {
             let score = score(case, 0.0, sensor, 71_000..71_006);
             assert_eq!(score.bad(), 0, "{case:?} {sensor:?}: {:?}", score.notes);
         }
@@ -47,7 +52,9 @@ fn a_block_without_a_gap() {
             );
             assert!(score.bad() == 0 || sensor == Sensor::Camera);
             let refused = detection.rejected.iter();
-            ambiguous += refused.filter(|r| r.reason == RejectReason::Ambiguous).count();
+            ambiguous += refused
+                .filter(|r| r.reason == RejectReason::Ambiguous)
+                .count();
         }
         assert!(ambiguous >= 5, "{sensor:?}: {ambiguous}");
     }
