@@ -68,7 +68,8 @@ pub fn measure_whole(
     if found.proven_sides < 4 || found.visible_fraction < WHOLE {
         return Err(reject(RejectReason::NoKnownSize));
     }
-    let standing = match (ending(image, &found, settings.plane_tolerance), parting) {
+    let (end, blind) = ending(image, &found, settings.plane_tolerance);
+    let standing = match (end, parting) {
         (Ending::Unknown, _) => return Err(reject(RejectReason::NoKnownSize)),
         (_, Parting::Plain) => Standing::Parted,
         (Ending::Certain, Parting::None) => Standing::Certain,
@@ -79,7 +80,11 @@ pub fn measure_whole(
         let tolerance = sharp.min(settings.plane_tolerance);
         found = measured(image, found, tolerance, patch.pitch);
     }
-    Ok(Measured { found, standing })
+    Ok(Measured {
+        found,
+        standing,
+        blind,
+    })
 }
 
 /// Whether a seam or a step runs through it. Where steps are smeared, heights beside them say nothing.
@@ -134,8 +139,8 @@ pub fn is_free(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> bool 
     })
 }
 
-/// How the surface ends at all four sides: whole cartons only.
-fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> Ending {
+/// How the surface ends at all four sides (whole cartons only), and at which of them what is nearer leaves that open.
+fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> (Ending, [bool; 4]) {
     /// Share of a side at which it must be seen to end: noise and lost pixels leave more of any true side.
     const LEAST_OPEN: f64 = 0.6;
     /// So many sides beneath which something lies close by are those of a sheet; at one, a lower carton may
@@ -146,23 +151,24 @@ fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> Ending {
     let frame = top(found);
     let extents = [found.size.length, found.size.width];
     let mut thin = 0;
-    let mut in_question = false;
-    for side in SIDES {
+    let mut blind = [false; 4];
+    for (side, blind) in SIDES.into_iter().zip(&mut blind) {
         let seen = beyond(image, &frame, extents, side, tolerance);
         if seen.open + seen.narrow + seen.beside < LEAST_OPEN
             || seen.hidden > MOST_HIDDEN
             || seen.over > MOST_OVER
         {
-            return Ending::Unknown;
+            return (Ending::Unknown, [false; 4]);
         }
-        in_question |= seen.open < LEAST_OPEN || seen.beside + seen.hidden > MOST_HIDDEN;
+        *blind = seen.open < LEAST_OPEN || seen.beside + seen.hidden > MOST_HIDDEN;
         thin += usize::from(seen.thin >= MOSTLY_THIN * seen.open);
     }
-    match (thin < SHEET, in_question) {
+    let end = match (thin < SHEET, blind.contains(&true)) {
         (false, _) => Ending::Unknown,
         (true, true) => Ending::InQuestion,
         (true, false) => Ending::Certain,
-    }
+    };
+    (end, blind)
 }
 
 /// The same box with its sides where its surface ends.

@@ -6,7 +6,8 @@
 //! such a size must be seen more than once, for two that touch and lie quite level are chance, and the same chance
 //! again is rare.
 
-use depal_frames::{BoxSize, Point};
+use depal_frames::{BoxSize, Point, Vector};
+use nalgebra::Translation3;
 
 use crate::{DetectedBox, RejectReason, RejectedSurface};
 
@@ -37,12 +38,37 @@ pub struct Measured {
     pub found: DetectedBox,
     /// How sure it is.
     pub standing: Standing,
+    /// Sides (-X, +X, -Y, +Y) whose end is not to be seen for what is nearer.
+    pub blind: [bool; 4],
 }
 
 impl Measured {
     fn sides(&self) -> [f64; 2] {
         let BoxSize { length, width, .. } = self.found.size;
         [length, width]
+    }
+
+    /// The box as long as others of its size along an axis of which a side is not to be seen; the other side stays.
+    fn completed(&self, size: [f64; 2]) -> DetectedBox {
+        let mut sides = self.sides();
+        let mut shift = Vector::zeros();
+        for axis in 0..2 {
+            let [low, high] = [self.blind[2 * axis], self.blind[2 * axis + 1]];
+            if low || high {
+                let more = size[axis] - sides[axis];
+                shift[axis] = 0.5 * more * (f64::from(u8::from(high)) - f64::from(u8::from(low)));
+                sides[axis] = size[axis];
+            }
+        }
+        DetectedBox {
+            camera_from_box: self.found.camera_from_box * Translation3::from(shift),
+            size: BoxSize {
+                length: sides[0],
+                width: sides[1],
+                height: self.found.size.height,
+            },
+            ..self.found
+        }
     }
 }
 
@@ -53,10 +79,14 @@ pub fn believed(measured: Vec<Measured>) -> Vec<Result<DetectedBox, RejectedSurf
         let alike = |sides: &&[f64; 2]| are_alike(sides, &top.sides(), ALIKE);
         let count = supported.iter().filter(alike).count();
         if count > 0 && top.standing != Standing::Parted {
+            let mean = [0, 1].map(|k| {
+                let alike = supported.iter().filter(alike);
+                alike.map(|sides| sides[k]).sum::<f64>() / count as f64
+            });
             let confidence = top.found.confidence * support(count);
             return Ok(DetectedBox {
                 confidence,
-                ..top.found
+                ..top.completed(mean)
             });
         }
         let [length, width] = top.sides();
@@ -73,7 +103,8 @@ pub fn believed(measured: Vec<Measured>) -> Vec<Result<DetectedBox, RejectedSurf
     measured.into_iter().map(judged).collect()
 }
 
-/// The different sizes of some tops, each the mean of those that are alike, and how many those are; largest first.
+/// The different sizes of some tops, each the mean of those that are alike, and how many those are; without those that
+/// smaller ones make up, for they would be found wherever such stand side by side.
 pub fn sizes_of(found: &[DetectedBox]) -> Vec<(BoxSize, usize)> {
     let mut sizes: Vec<([f64; 2], usize)> = Vec::new();
     for one in found {
@@ -90,7 +121,15 @@ pub fn sizes_of(found: &[DetectedBox]) -> Vec<(BoxSize, usize)> {
             None => sizes.push((sides, 1)),
         }
     }
-    sizes.sort_by(|(a, _), (b, _)| (b[0] * b[1]).total_cmp(&(a[0] * a[1])));
+    sizes.sort_by(|(a, _), (b, _)| (a[0] * a[1]).total_cmp(&(b[0] * b[1])));
+    let mut smaller: Vec<[f64; 2]> = Vec::new();
+    sizes.retain(|(sides, _)| {
+        let is_basic = !is_made_up(sides, &smaller);
+        if is_basic {
+            smaller.push(*sides);
+        }
+        is_basic
+    });
     let size = |([length, width], count): ([f64; 2], usize)| {
         let height = 0.0;
         (

@@ -18,6 +18,7 @@ fn top([length, width]: [f64; 2], standing: Standing) -> Measured {
             proven_sides: 4,
         },
         standing,
+        blind: [false; 4],
     }
 }
 
@@ -96,8 +97,23 @@ fn each_of_a_size_makes_the_others_more_sure() {
 #[test]
 fn sizes_are_means_of_those_that_are_alike() {
     use Standing::Certain;
-    let tops = [[0.3, 0.2], [0.302, 0.2], [0.4, 0.3]].map(|sides| top(sides, Certain).found);
+    let all = [[0.3, 0.2], [0.302, 0.2], [0.35, 0.3], [0.4, 0.3]];
+    let tops = all.map(|sides| top(sides, Certain).found);
     let sizes = sizes_of(&tops);
     let of: Vec<(f64, usize)> = sizes.iter().map(|(s, n)| (s.length, *n)).collect();
-    assert_eq!(of, [(0.4, 1), (0.301, 2)]);
+    // Two of the smallest are as large as the largest.
+    assert_eq!(of, [(0.301, 2), (0.35, 1)]);
+}
+
+#[test]
+fn a_side_that_is_not_seen_is_where_others_of_the_size_have_it() {
+    use Standing::{Certain, InQuestion};
+    let mut short = top([0.298, 0.2], InQuestion);
+    short.blind[1] = true;
+    let judged = believed(vec![short, top([0.3, 0.2], Certain)]);
+    let one = judged[0].as_ref().expect("believed");
+    assert!((one.size.length - 0.3).abs() < 1e-12 && (one.size.width - 0.2).abs() < 1e-12);
+    // The side that is seen stays where it is.
+    let middle = one.camera_from_box.translation.vector;
+    assert!((middle.x - 0.001).abs() < 1e-12 && middle.y.abs() < 1e-12);
 }

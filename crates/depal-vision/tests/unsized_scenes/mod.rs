@@ -94,6 +94,8 @@ pub struct Scene {
 
 /// Gaps as pushed cartons have them, metres.
 const GAPS: [f64; 8] = [0.0, 0.0, 0.0005, 0.001, 0.002, 0.003, 0.005, 0.008];
+/// By so much a thin sheet may lie over a carton unseen, metres.
+const SHEET_RIM: f64 = 0.010;
 /// Long and short sides, metres.
 const SIZES: [[f64; 2]; 6] = [
     [0.3, 0.2],
@@ -320,10 +322,10 @@ pub fn scene(case: Case, gap: f64, seed: u64, sensor: Sensor) -> Scene {
                 size: [choice.uniform(0.3, 1.25), choice.uniform(0.2, 1.05), thick],
             };
             others.push(sheet.shape(2000));
-            // What lies under the sheet is no carton to be found.
+            // What lies under the sheet by more than its rim is no carton to be found.
             let (under, kept): (Vec<_>, Vec<_>) = on.cartons.iter().copied().partition(|c| {
                 let points = grid(c, 60, 0.003);
-                points.iter().any(|p| holds(&sheet, p, 0.0))
+                points.iter().any(|p| holds(&sheet, p, SHEET_RIM))
             });
             others.extend((0..under.len()).map(|n| under[n].shape(3000 + n as u32)));
             base -= 0.006;
