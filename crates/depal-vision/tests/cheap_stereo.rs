@@ -160,7 +160,8 @@ fn leaning_stacks() {
 #[test]
 fn free_standing_tops_are_measured() {
     let at = looking_down(TOP + 1.5);
-    let cartons = [[-0.35, 0.3, 0.2], [0.15, 0.4, 0.3]].map(|[x, l, w]| Carton {
+    // Two of the smaller one side by side are not as large as the larger one: heights of this camera part nothing.
+    let cartons = [[-0.35, 0.3, 0.2], [0.15, 0.4, 0.35]].map(|[x, l, w]| Carton {
         x,
         y: 0.02,
         top: TOP,
