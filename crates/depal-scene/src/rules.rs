@@ -89,6 +89,30 @@ impl Rule for Number {
     }
 }
 
+/// The `N` values of a list, each as `rule` reads it; every one that is wrong is told.
+fn each_of<R: Rule, const N: usize>(
+    rule: &R,
+    expected: &str,
+    node: &Node,
+    key: &str,
+    reader: &mut Reader<'_>,
+) -> Option<[R::Output; N]> {
+    let items = match &node.value {
+        Value::List(items) if items.len() == N => items,
+        _ => {
+            reader.unexpected(node, key, expected);
+            return None;
+        }
+    };
+    let read: Vec<Option<R::Output>> = items
+        .iter()
+        .enumerate()
+        .map(|(position, item)| rule.read(item, &format!("{key}[{position}]"), reader))
+        .collect();
+    let read: Option<Vec<R::Output>> = read.into_iter().collect();
+    read?.try_into().ok()
+}
+
 /// `N` numbers in a list.
 pub(crate) struct Numbers<const N: usize>(pub(crate) Number);
 
@@ -96,23 +120,8 @@ impl<const N: usize> Rule for Numbers<N> {
     type Output = [f64; N];
 
     fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<[f64; N]> {
-        let items = match &node.value {
-            Value::List(items) if items.len() == N => items,
-            _ => {
-                let expected = format!("{N} numbers, each {}", self.0.expected());
-                reader.unexpected(node, key, &expected);
-                return None;
-            }
-        };
-        let mut numbers = [0.0; N];
-        let mut whole = true;
-        for (position, item) in items.iter().enumerate() {
-            match self.0.read(item, &format!("{key}[{position}]"), reader) {
-                Some(number) => numbers[position] = number,
-                None => whole = false,
-            }
-        }
-        whole.then_some(numbers)
+        let expected = format!("{N} numbers, each {}", self.0.expected());
+        each_of(&self.0, &expected, node, key, reader)
     }
 
     fn schema(&self) -> Json {
@@ -223,22 +232,8 @@ impl<const N: usize> Rule for Wholes<N> {
     type Output = [u32; N];
 
     fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<[u32; N]> {
-        let items = match &node.value {
-            Value::List(items) if items.len() == N => items,
-            _ => {
-                reader.unexpected(node, key, &format!("a list of {N} whole numbers"));
-                return None;
-            }
-        };
-        let mut numbers = [0; N];
-        let mut whole = true;
-        for (position, item) in items.iter().enumerate() {
-            match self.0.read(item, &format!("{key}[{position}]"), reader) {
-                Some(number) => numbers[position] = number,
-                None => whole = false,
-            }
-        }
-        whole.then_some(numbers)
+        let expected = format!("a list of {N} whole numbers");
+        each_of(&self.0, &expected, node, key, reader)
     }
 
     fn schema(&self) -> Json {
