@@ -89,28 +89,38 @@ impl Rule for Number {
     }
 }
 
-/// The `N` values of a list, each as `rule` reads it; every one that is wrong is told.
-fn each_of<R: Rule, const N: usize>(
+/// Every value of a list as `rule` reads it; each that is wrong is told.
+fn each_of<R: Rule>(
+    rule: &R,
+    items: &[Node],
+    key: &str,
+    reader: &mut Reader<'_>,
+) -> Option<Vec<R::Output>> {
+    let read: Vec<Option<R::Output>> = items
+        .iter()
+        .enumerate()
+        .map(|(position, item)| rule.read(item, &format!("{key}[{position}]"), reader))
+        .collect();
+    read.into_iter().collect()
+}
+
+/// As [`each_of`], of a list of `N`.
+fn exactly<R: Rule, const N: usize>(
     rule: &R,
     expected: &str,
     node: &Node,
     key: &str,
     reader: &mut Reader<'_>,
 ) -> Option<[R::Output; N]> {
-    let items = match &node.value {
-        Value::List(items) if items.len() == N => items,
+    match &node.value {
+        Value::List(items) if items.len() == N => {
+            each_of(rule, items, key, reader)?.try_into().ok()
+        }
         _ => {
             reader.unexpected(node, key, expected);
-            return None;
+            None
         }
-    };
-    let read: Vec<Option<R::Output>> = items
-        .iter()
-        .enumerate()
-        .map(|(position, item)| rule.read(item, &format!("{key}[{position}]"), reader))
-        .collect();
-    let read: Option<Vec<R::Output>> = read.into_iter().collect();
-    read?.try_into().ok()
+    }
 }
 
 /// `N` numbers in a list.
@@ -121,7 +131,7 @@ impl<const N: usize> Rule for Numbers<N> {
 
     fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<[f64; N]> {
         let expected = format!("{N} numbers, each {}", self.0.expected());
-        each_of(&self.0, &expected, node, key, reader)
+        exactly(&self.0, &expected, node, key, reader)
     }
 
     fn schema(&self) -> Json {
@@ -233,7 +243,7 @@ impl<const N: usize> Rule for Wholes<N> {
 
     fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<[u32; N]> {
         let expected = format!("a list of {N} whole numbers");
-        each_of(&self.0, &expected, node, key, reader)
+        exactly(&self.0, &expected, node, key, reader)
     }
 
     fn schema(&self) -> Json {
@@ -298,20 +308,16 @@ impl<R: Rule> Rule for ListOf<R> {
     type Output = Vec<R::Output>;
 
     fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<Self::Output> {
-        let items = match &node.value {
-            Value::List(items) if (self.1..=self.2).contains(&items.len()) => items,
+        match &node.value {
+            Value::List(items) if (self.1..=self.2).contains(&items.len()) => {
+                each_of(&self.0, items, key, reader)
+            }
             _ => {
                 let expected = format!("a list of {} to {} values", self.1, self.2);
                 reader.unexpected(node, key, &expected);
-                return None;
+                None
             }
-        };
-        let read: Vec<Option<R::Output>> = items
-            .iter()
-            .enumerate()
-            .map(|(position, item)| self.0.read(item, &format!("{key}[{position}]"), reader))
-            .collect();
-        read.into_iter().collect()
+        }
     }
 
     fn schema(&self) -> Json {
@@ -384,12 +390,7 @@ impl<R: Rule> Rule for OneOrMore<R> {
             reader.unexpected(node, key, &expected);
             return None;
         }
-        let read: Vec<Option<R::Output>> = items
-            .iter()
-            .enumerate()
-            .map(|(position, item)| self.0.read(item, &format!("{key}[{position}]"), reader))
-            .collect();
-        read.into_iter().collect()
+        each_of(&self.0, items, key, reader)
     }
 
     fn schema(&self) -> Json {
