@@ -46,7 +46,7 @@ fn other_file(path: &str) -> Option<String> {
     let found: Vec<String> = folders.iter().flat_map(|folder| files_of(folder)).collect();
     let mut found: Vec<&String> = found.iter().filter(like_it).collect();
     // A name without its ending is a scene's rather than a program's.
-    found.sort_by_key(|path| !path.ends_with(".toml"));
+    found.sort_by_key(|path| split(file_name(path)).1 != Some("toml"));
     let likeness = |path: &str| strsim::jaro_winkler(stem, split(file_name(path)).0);
     // Of equals the first.
     let nearest = found.iter().rev().max_by(|a, b| {

@@ -207,7 +207,7 @@ impl<'a> At<'a> {
 pub(super) fn read(path: &Path) -> Result<(TransferScene, Vec<Problem>), Failure> {
     let file = path.to_string_lossy();
     let value: Value = serde_json::from_str(&text(path)?)
-        .map_err(|error| Failure::Input(format!("{file}: {error}")))?;
+        .map_err(|error| Failure::Input(format!("{file}: not JSON: {error}")))?;
     let root = At {
         file: &file,
         key: String::new(),
