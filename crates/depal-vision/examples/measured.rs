@@ -5,7 +5,10 @@
 
 use depal_vision::RejectReason;
 use rendered::quantile;
-use unsized_scenes::{CASES, Case, Sensor, Verdict, judge, measured, scene};
+use unsized_scenes::{
+    CASES, Case, Sensor, measured, scene,
+    verdict::{Verdict, judge},
+};
 
 #[path = "../tests/generator/mod.rs"]
 mod generator;

@@ -5,6 +5,7 @@ use depal_frames::{BoxSize, DepthFrame, Point};
 use crate::{
     DetectedBox, Detection, VisionSettings,
     again::look_again,
+    bearers::{Board, refuse_boards},
     components::{Component, components},
     gate::{DepthImage, gate},
     inset::place_by_insets,
@@ -138,13 +139,17 @@ fn find_boxes(
         .map(|s| s.length * s.width)
         .fold(f64::MAX, f64::min);
     let mut found: Vec<DetectedBox> = Vec::new();
-    let mut surfaces = Vec::new();
+    let mut surfaces: Vec<Surface> = Vec::new();
     for component in components(&mask, image.width) {
         match Surface::new(component, image, settings, smallest) {
             Ok(surface) => surfaces.push(surface),
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
+    let boards: Vec<Board> = surfaces
+        .iter_mut()
+        .filter_map(|surface| Board::new(surface, &mask, image, settings))
+        .collect();
     entered(Stage::Outlines);
     // First every piece by itself, with its own direction.
     surfaces.retain_mut(|surface| {
@@ -215,6 +220,8 @@ fn find_boxes(
     }
     place_by_insets(&mut found, image, settings);
     found.extend(covered);
+    let on_boards = refuse_boards(&mut found, &boards, settings.plane_tolerance);
+    detection.rejected.extend(on_boards);
     keep_best(found, settings, detection);
     turn_together(&mut detection.boxes, &image.intrinsics);
 }

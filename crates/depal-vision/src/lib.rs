@@ -33,7 +33,8 @@
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
 //!    `inset`: how far inside the real edges this camera shows them.
 //!    `joint`: the cartons of a covering are placed together, by sides, by seams and by each other.
-//! 8. `verify`: size, wholeness, cover, tilt. `turn_together`: what stands too close to be turned much.
+//! 8. `verify`: size, wholeness, cover, tilt. `runs_on`: a top ends at its sides; a corner of a slab does not.
+//!    `bearers`: boards of the pallet are none. `turn_together`: what stands too close to be turned much.
 //!    `obstacles`: what nothing reported explains.
 //!
 //! # Units and frames
@@ -79,6 +80,7 @@
 mod again;
 mod arrange;
 mod average;
+mod bearers;
 mod beyond;
 mod blank;
 mod breaks;
@@ -108,6 +110,7 @@ mod patch;
 mod plane;
 mod relief;
 mod resample;
+mod runs_on;
 mod seams;
 mod search;
 mod settings;

@@ -39,10 +39,10 @@ pub struct Surface {
 
 /// Main direction of an outline (radians) and its ranges along that and across it, metres.
 #[derive(Debug, Clone, Copy)]
-struct Bounds {
-    yaw: f64,
-    x: [f64; 2],
-    y: [f64; 2],
+pub struct Bounds {
+    pub yaw: f64,
+    pub x: [f64; 2],
+    pub y: [f64; 2],
 }
 
 /// A patch and the boxes whose outline was found on it.
@@ -152,7 +152,7 @@ impl Surface {
     }
 
     /// Direction and size; `Err` when this is background.
-    fn bounds(
+    pub fn bounds(
         &mut self,
         mask: &[u8],
         image: &DepthImage,
@@ -180,6 +180,16 @@ impl Surface {
         let bounds = Bounds { yaw, x, y };
         self.bounds = Some(bounds);
         Ok(bounds)
+    }
+
+    /// Its plane in the middle of its bounds, X along its main direction.
+    pub fn middle(&self, bounds: &Bounds) -> PlaneFrame {
+        let frame = self.frame.turned(bounds.yaw);
+        let [x, y] = [bounds.x, bounds.y].map(|[low, high]| f64::midpoint(low, high));
+        PlaneFrame {
+            origin: frame.point(x, y),
+            ..frame
+        }
     }
 
     /// Resampled along its main direction.
@@ -237,14 +247,7 @@ impl Surface {
         if self.area < FILLED * (range[0] + pitch) * (range[1] + pitch) {
             return None;
         }
-        let frame = self.frame.turned(bounds.yaw);
-        let start = PlaneFrame {
-            origin: frame.point(
-                f64::midpoint(bounds.x[0], bounds.x[1]),
-                f64::midpoint(bounds.y[0], bounds.y[1]),
-            ),
-            ..frame
-        };
+        let start = self.middle(&bounds);
         if !is_even(mask, image, &start, range, pitch) {
             return None;
         }

@@ -2,7 +2,10 @@
 
 use depal_vision::RejectReason;
 use rendered::Layout;
-use unsized_scenes::{Case, Sensor, Verdict, judge, measured, scene};
+use unsized_scenes::{
+    Case, Sensor, measured, scene,
+    verdict::{Verdict, judge},
+};
 
 mod generator;
 mod rendered;

@@ -2,17 +2,22 @@
 //! Z of the world points up, nominal tops are at 0; the camera stands 2 m above.
 #![allow(dead_code)]
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use depal_camera::{Material, RenderShape, SensorSpec};
-use depal_frames::{DepthFrame, Point, Vector};
+use depal_frames::DepthFrame;
 use depal_time::{RandomStream, RandomStreams};
-use depal_vision::{DetectedBox, Detection, VisionSettings, detect_any_size};
+use depal_vision::{Detection, VisionSettings, detect_any_size};
 
 use crate::{
     generator::{self, Noise, at},
-    rendered::{Carton, HEIGHT, Layout, block, camera, picture, places},
+    rendered::{Carton, HEIGHT, Layout, block, camera, picture},
 };
+
+mod ground;
+pub mod verdict;
+use ground::{GAPS, Ground, as_left, cluster, full_layer, pick};
+use verdict::{grid, holds};
 
 /// Who takes the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,8 +97,6 @@ pub struct Scene {
     pub others: Vec<RenderShape>,
 }
 
-/// Gaps as pushed cartons have them, metres.
-const GAPS: [f64; 8] = [0.0, 0.0, 0.0005, 0.001, 0.002, 0.003, 0.005, 0.008];
 /// By so much a thin sheet may lie over a carton unseen, metres.
 const SHEET_RIM: f64 = 0.010;
 /// Long and short sides, metres.
@@ -105,94 +108,6 @@ const SIZES: [[f64; 2]; 6] = [
     [0.38, 0.285],
     [0.33, 0.18],
 ];
-
-fn pick<T: Copy>(r: &mut RandomStream, from: &[T]) -> T {
-    from[(r.uniform(0.0, from.len() as f64) as usize).min(from.len() - 1)]
-}
-
-/// Puts cartons down; each as uneven as the sensor's world is.
-struct Ground<'a> {
-    r: &'a mut RandomStream,
-    unlevel: bool,
-    cartons: Vec<Carton>,
-}
-
-impl Ground<'_> {
-    /// A carton with extents `a` along x and `b` along y around (x, y).
-    fn put(&mut self, [x, y]: [f64; 2], [a, b]: [f64; 2], top: f64, room: f64) {
-        let degree = 1f64.to_radians();
-        let free = room.min(0.005);
-        let shift = (free * 0.15).min(0.001);
-        let (x, y) = (
-            x + self.r.uniform(-shift, shift),
-            y + self.r.uniform(-shift, shift),
-        );
-        let turn = (free / a.max(b) * 0.3).min(0.005);
-        let yaw = if b > a { FRAC_PI_2 } else { 0.0 } + self.r.uniform(-turn, turn);
-        let (tilt, dz) = if self.unlevel {
-            let tilt = [
-                self.r.normal(1.0) * 0.2 * degree,
-                self.r.normal(1.0) * 0.2 * degree,
-            ];
-            (tilt, self.r.uniform(-0.001, 0.001))
-        } else {
-            ([0.0; 2], self.r.uniform(-0.0005, 0.0005))
-        };
-        self.cartons.push(Carton {
-            x,
-            y,
-            top: top + dz,
-            yaw,
-            tilt,
-            size: [a.max(b), a.min(b), HEIGHT],
-        });
-    }
-
-    /// A row along x from `x` on: extents along x, their common depth; gaps as given.
-    fn row(&mut self, [mut x, y]: [f64; 2], along: &[f64], depth: f64, gap: Option<f64>) {
-        for &a in along {
-            self.put([x + a / 2.0, y + depth / 2.0], [a, depth], 0.0, 0.0);
-            x += a + gap.unwrap_or_else(|| pick(self.r, &GAPS));
-        }
-    }
-}
-
-/// The whole turned and shifted as a forklift has left it.
-fn as_left(cartons: &mut [Carton], r: &mut RandomStream) {
-    let (s, c) = r.uniform(-0.02, 0.02).sin_cos();
-    let shift = [r.uniform(-0.02, 0.02), r.uniform(-0.02, 0.02)];
-    for carton in cartons {
-        (carton.x, carton.y) = (
-            carton.x * c - carton.y * s + shift[0],
-            carton.x * s + carton.y * c + shift[1],
-        );
-        carton.yaw += s.asin();
-    }
-}
-
-fn full_layer(on: &mut Ground, layout: Layout, gap: f64, top: f64) {
-    for place in places(layout, gap) {
-        let lying = place.yaw == 0.0;
-        let sides = if lying {
-            [place.long, place.short]
-        } else {
-            [place.short, place.long]
-        };
-        let room = if gap >= 0.002 { gap } else { 0.0 };
-        on.put([place.x, place.y], sides, top, room);
-    }
-}
-
-fn cluster(on: &mut Ground, middle: [f64; 2], size: [f64; 2], count: [usize; 2], gap: f64) {
-    for i in 0..count[0] {
-        for j in 0..count[1] {
-            let at = |k: usize, n: usize| {
-                middle[k] + (n as f64 - (count[k] as f64 - 1.0) / 2.0) * (size[k] + gap)
-            };
-            on.put([at(0, i), at(1, j)], size, 0.0, 0.0);
-        }
-    }
-}
 
 fn turned_size(r: &mut RandomStream) -> [f64; 2] {
     let size = pick(r, &SIZES);
@@ -418,170 +333,4 @@ pub fn frame(scene: &Scene, sensor: Sensor, seed: u64) -> DepthFrame {
 pub fn measured(scene: &Scene, sensor: Sensor, seed: u64) -> Detection {
     let frame = frame(scene, sensor, seed);
     detect_any_size(&frame, &VisionSettings::new(Vec::new()).suited_to(&frame))
-}
-
-/// True for a point (own axes of a carton) under or in another one.
-fn holds(other: &Carton, p: &Vector, margin: f64) -> bool {
-    let (s, c) = other.yaw.sin_cos();
-    let (dx, dy) = (p.x - other.x, p.y - other.y);
-    let (x, y) = (dx * c + dy * s, dy * c - dx * s);
-    x.abs() < other.size[0] / 2.0 - margin && y.abs() < other.size[1] / 2.0 - margin
-}
-
-/// Points of a top, `margin` inside.
-fn grid(carton: &Carton, count: i32, margin: f64) -> Vec<Vector> {
-    let mut points = Vec::new();
-    for i in 0..count {
-        for j in 0..count {
-            let at = |n: i32, side: f64| {
-                ((f64::from(n) + 0.5) / f64::from(count) - 0.5) * (side - 2.0 * margin)
-            };
-            let p = Vector::new(at(i, carton.size[0]), at(j, carton.size[1]), 0.0);
-            points.push(carton.rotation() * p + Vector::new(carton.x, carton.y, carton.top));
-        }
-    }
-    points
-}
-
-/// True when another carton stands on it.
-pub fn is_covered(cartons: &[Carton], n: usize) -> bool {
-    let on_it = |o: &Carton| o.top - o.size[2] > cartons[n].top - 0.02;
-    cartons.iter().filter(|o| on_it(o)).any(|o| {
-        grid(&cartons[n], 60, 0.003)
-            .iter()
-            .any(|p| holds(o, p, 0.0))
-    })
-}
-
-/// Share of a top that higher cartons hide from the camera.
-fn hidden(cartons: &[Carton], n: usize) -> f64 {
-    let eye = at().translation.vector;
-    let points = grid(&cartons[n], 20, 0.0);
-    let blocked = |p: &Vector| {
-        cartons.iter().enumerate().any(|(k, o)| {
-            k != n
-                && (1..60).any(|s| {
-                    let q = p + (eye - p) * (f64::from(s) * 0.004);
-                    q.z < o.top && q.z > o.top - o.size[2] && holds(o, &q, 0.0)
-                })
-        })
-    };
-    points.iter().filter(|p| blocked(p)).count() as f64 / points.len() as f64
-}
-
-/// What became of one picture.
-#[derive(Debug, Default, Clone)]
-pub struct Verdict {
-    /// Uncovered cartons, wholly in view.
-    pub wanted: usize,
-    pub found: usize,
-    /// Reports of a carton that is there, but something stands on it.
-    pub covered: usize,
-    /// Reports that hold most of two cartons or more.
-    pub spanning: usize,
-    /// Other reports that are no carton.
-    pub wrong: usize,
-    /// Measured less true side of what was found, mm.
-    pub off_mm: Vec<f64>,
-    pub xy_mm: Vec<f64>,
-    pub notes: Vec<String>,
-}
-
-impl Verdict {
-    pub fn absorb(&mut self, other: Self) {
-        self.wanted += other.wanted;
-        self.found += other.found;
-        self.covered += other.covered;
-        self.spanning += other.spanning;
-        self.wrong += other.wrong;
-        self.off_mm.extend(other.off_mm);
-        self.xy_mm.extend(other.xy_mm);
-        self.notes.extend(other.notes);
-    }
-
-    /// Reports that a robot must not act on.
-    pub fn bad(&self) -> usize {
-        self.covered + self.spanning + self.wrong
-    }
-}
-
-/// Compares reports with the truth.
-pub fn judge(scene: &Scene, boxes: &[DetectedBox]) -> Verdict {
-    let cartons = &scene.cartons;
-    let covered: Vec<bool> = (0..cartons.len()).map(|n| is_covered(cartons, n)).collect();
-    let wanted: Vec<bool> = (0..cartons.len())
-        .map(|n| !covered[n] && hidden(cartons, n) < 0.02)
-        .collect();
-    let mut verdict = Verdict {
-        wanted: wanted.iter().filter(|w| **w).count(),
-        ..Verdict::default()
-    };
-    let mut taken = vec![false; cartons.len()];
-    for found in boxes {
-        let pose = at() * found.camera_from_box;
-        let p = pose.translation.vector;
-        let own = (0..cartons.len()).find(|&n| {
-            let c = &cartons[n];
-            !taken[n]
-                && (c.x - p.x).hypot(c.y - p.y) < 0.02
-                && (c.top - p.z).abs() < 0.02
-                && (c.size[0] - found.size.length).abs() < 0.02
-                && (c.size[1] - found.size.width).abs() < 0.02
-        });
-        let tell = |what: &str| {
-            format!(
-                "{what} {:.0} x {:.0} at {:.0} {:.0} {:.0}, confidence {:.2}",
-                found.size.length * 1e3,
-                found.size.width * 1e3,
-                p.x * 1e3,
-                p.y * 1e3,
-                p.z * 1e3,
-                found.confidence
-            )
-        };
-        if let Some(n) = own {
-            taken[n] = true;
-            if covered[n] {
-                verdict.covered += 1;
-                verdict.notes.push(tell("covered"));
-                continue;
-            }
-            let off = [
-                found.size.length - cartons[n].size[0],
-                found.size.width - cartons[n].size[1],
-            ];
-            if wanted[n] {
-                verdict.found += 1;
-            }
-            if off.iter().any(|o| o.abs() > 0.002) {
-                verdict.notes.push(tell("size off"));
-            }
-            verdict.off_mm.extend(off.map(|o| o * 1e3));
-            let c = &cartons[n];
-            verdict.xy_mm.push((c.x - p.x).hypot(c.y - p.y) * 1e3);
-            continue;
-        }
-        // Whose tops lie under it.
-        let spanned = cartons
-            .iter()
-            .filter(|c| {
-                let points = grid(c, 20, 0.0);
-                let under = points.iter().filter(|q| {
-                    let q = pose.inverse_transform_point(&Point::from(**q));
-                    q.x.abs() < found.size.length / 2.0
-                        && q.y.abs() < found.size.width / 2.0
-                        && q.z.abs() < 0.02
-                });
-                under.count() * 2 > points.len()
-            })
-            .count();
-        if spanned >= 2 {
-            verdict.spanning += 1;
-            verdict.notes.push(tell("spanning"));
-        } else {
-            verdict.wrong += 1;
-            verdict.notes.push(tell("wrong"));
-        }
-    }
-    verdict
 }
