@@ -61,7 +61,17 @@ pub fn verify(
 ) -> Result<DetectedBox, RejectReason> {
     let size = settings.sizes[label as usize];
     let extents = crate::search::extents(&size, turned);
-    let (found, ..) = check(image, settings, start, extents, proof)?;
+    let (found, measured, _) = check(image, settings, start, extents, proof)?;
+    // Of a nearly square carton the sides that were measured tell which way round it lies; if it is the other one, its
+    // neighbours in the arrangement lie where it ends. A lone one was put the way round that fits best.
+    let off = |sides: [f64; 2]| {
+        let seen = (0..2).filter(|&k| measured[k] != extents[k]);
+        seen.map(|k| (measured[k] - sides[k]).abs()).sum::<f64>()
+    };
+    let [length, width] = extents;
+    if proof != Proof::Outline && off([width, length]) < off(extents) {
+        return Err(RejectReason::Ambiguous);
+    }
     Ok(DetectedBox {
         size,
         label,
