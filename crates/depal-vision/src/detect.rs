@@ -4,9 +4,9 @@ use depal_frames::{BoxSize, DepthFrame, Point};
 
 use crate::{
     DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
+    between_ends::place_between_ends,
     components::{Component, components},
     gate::{DepthImage, gate},
-    inset::place_by_insets,
     neighbours::neighbours,
     obstacles::obstacle_points,
     steps::surface_mask,
@@ -205,7 +205,7 @@ fn find_boxes(
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
-    place_by_insets(&mut found, image, settings);
+    place_between_ends(&mut found, image, settings);
     found.extend(covered);
     keep_best(found, settings, detection);
     turn_together(&mut detection.boxes, &image.intrinsics);
