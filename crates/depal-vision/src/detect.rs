@@ -5,6 +5,7 @@ use depal_frames::{BoxSize, DepthFrame, Point};
 use crate::{
     DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
     components::{Component, components},
+    fold::place_by_folds,
     gate::{DepthImage, gate},
     inset::place_by_insets,
     neighbours::neighbours,
@@ -208,6 +209,7 @@ fn find_boxes(
     place_by_insets(&mut found, image, settings);
     found.extend(covered);
     keep_best(found, settings, detection);
+    place_by_folds(&mut detection.boxes, image, settings);
     turn_together(&mut detection.boxes, &image.intrinsics);
 }
 

@@ -83,6 +83,7 @@ mod detect;
 mod detection;
 mod ends;
 mod even;
+mod fold;
 mod gate;
 mod ink;
 mod inset;
