@@ -241,6 +241,11 @@ fn side_by_fall(
     const ROUNDS: usize = 6;
     /// A side farther than this from its known place is none, metres.
     const SEARCHED: f64 = 0.002_5;
+    /// Places to start from, to both sides of the known one, and how far apart, metres.
+    const STARTS: i32 = 3;
+    const APART: f64 = 0.000_5;
+    /// Of so many pixels one tells where to start.
+    const SPARSE: usize = 4;
     /// Share of the pixels on the followed part that must be seen.
     const LEAST_SEEN: f64 = 0.4;
     let followed = fold.followed();
@@ -252,7 +257,24 @@ fn side_by_fall(
         STRIDE,
         |outward, fall| pixels.push([outward, fall]),
     );
-    let (mut beyond, mut level) = (0.0, 0.0);
+    // The fall of a side that lies elsewhere is followed from where it fits roughly.
+    let misfit = |beyond: f64| {
+        let (mut sum, mut count) = (0.0, 1e-12);
+        for [outward, fall] in pixels.iter().step_by(SPARSE) {
+            let x = outward - start - beyond;
+            if x >= -LEVEL && x <= followed {
+                let error = (fall - fold.fall(x).0).abs().min(tolerance);
+                sum += error * error;
+                count += 1.0;
+            }
+        }
+        sum / count
+    };
+    let roughly = (-STARTS..=STARTS)
+        .map(|n| f64::from(n) * APART)
+        .map(|beyond| (misfit(beyond), beyond))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut beyond, mut level) = (roughly.map_or(0.0, |r| r.1), 0.0);
     let mut count = 0.0;
     for _ in 0..ROUNDS {
         // Normal equations of level and place; the fall of a side farther out is less.
