@@ -70,7 +70,7 @@ fn to_middle(found: &DetectedBox, image: &DepthImage, settings: &VisionSettings)
 }
 
 /// Origin in the middle of the top, X along the long side.
-fn frame_of(found: &DetectedBox) -> PlaneFrame {
+pub fn frame_of(found: &DetectedBox) -> PlaneFrame {
     let pose = &found.camera_from_box;
     let origin = Point::from(pose.translation.vector);
     let axis = |k: usize| pose.rotation * Vector::ith(k, 1.0);

@@ -6,6 +6,7 @@ use crate::{
     DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
     between_ends::place_between_ends,
     components::{Component, components},
+    fold::place_by_folds,
     gate::{DepthImage, gate},
     neighbours::neighbours,
     obstacles::obstacle_points,
@@ -208,6 +209,7 @@ fn find_boxes(
     place_between_ends(&mut found, image, settings);
     found.extend(covered);
     keep_best(found, settings, detection);
+    place_by_folds(&mut detection.boxes, image, settings);
     turn_together(&mut detection.boxes, &image.intrinsics);
 }
 

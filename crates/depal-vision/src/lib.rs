@@ -31,7 +31,7 @@
 //!    `measure`: tops of unknown size, where all four sides fall away.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
 //!    `ends`: where a surface ends, whatever is lost of its outermost pixels; `between_ends`: cartons lie in the
-//!    middle. `inset`: how far inside the real edges this camera shows them.
+//!    middle. `fold`: rounded edges, by where the tops begin to fall. `inset`: how far inside the real edges this camera shows them.
 //!    `joint`: the cartons of a covering are placed together, by sides, by seams and by each other.
 //! 8. `verify`: size, wholeness, cover, tilt. `turn_together`: what stands too close to be turned much.
 //!    `obstacles`: what nothing reported explains.
@@ -85,6 +85,7 @@ mod detect;
 mod detection;
 mod ends;
 mod even;
+mod fold;
 mod gate;
 mod ink;
 mod inset;
