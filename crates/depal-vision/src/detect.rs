@@ -6,9 +6,10 @@ use crate::{
     DetectedBox, Detection, VisionSettings,
     again::look_again,
     bearers::{Board, refuse_boards},
+    between_ends::place_between_ends,
     components::{Component, components},
+    fold::place_by_folds,
     gate::{DepthImage, gate},
-    inset::place_by_insets,
     neighbours::neighbours,
     obstacles::obstacle_points,
     steps::surface_mask,
@@ -218,11 +219,12 @@ fn find_boxes(
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
-    place_by_insets(&mut found, image, settings);
+    place_between_ends(&mut found, image, settings);
     found.extend(covered);
     let on_boards = refuse_boards(&mut found, &boards, settings.plane_tolerance);
     detection.rejected.extend(on_boards);
     keep_best(found, settings, detection);
+    place_by_folds(&mut detection.boxes, image, settings);
     turn_together(&mut detection.boxes, &image.intrinsics);
 }
 

@@ -31,7 +31,8 @@
 //!    `measure`: tops of unknown size, where all four sides fall away; `parted`, `support`: which of them are one carton;
 //!    `again`: their sizes looked for where cartons hang together.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
-//!    `inset`: how far inside the real edges this camera shows them.
+//!    `ends`: where a surface ends, whatever is lost of its outermost pixels; `between_ends`: cartons lie in the
+//!    middle. `fold`: rounded edges, by where the tops begin to fall. `inset`: how far inside the real edges this camera shows them.
 //!    `joint`: the cartons of a covering are placed together, by sides, by seams and by each other.
 //! 8. `verify`: size, wholeness, cover, tilt. `runs_on`: a top ends at its sides; a corner of a slab does not.
 //!    `bearers`: boards of the pallet are none. `turn_together`: what stands too close to be turned much.
@@ -87,6 +88,7 @@ mod again;
 mod arrange;
 mod average;
 mod bearers;
+mod between_ends;
 mod beyond;
 mod blank;
 mod breaks;
@@ -98,6 +100,7 @@ mod detect;
 mod detection;
 mod ends;
 mod even;
+mod fold;
 mod gate;
 mod ink;
 mod inset;
