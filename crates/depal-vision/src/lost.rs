@@ -26,8 +26,10 @@ const MOST: f64 = 0.4;
 
 /// What a strip may lose by chance: so many pixels, and so many times what it loses on the mean. Clusters of up to ten
 /// pixels lie in a strip as a whole.
-const CHANCE: (f64, f64) = (22.0, 1.3);
+const CHANCE: (f64, f64) = (26.0, 1.1);
 
+/// One of so many pixels is too few to spoil anything.
+const FEW: usize = 4000;
 /// A pixel is put in from at least so many of the eight around it.
 const LEAST_AROUND: usize = 3;
 /// What is in the middle of a cluster follows from what was put in around it.
@@ -40,7 +42,11 @@ pub fn mended(depth: &[f32], width: usize, level: f32) -> Option<Vec<f32>> {
     if blocks.by_chance.iter().all(|share| *share == 0.0) {
         return None;
     }
-    let open = alone(depth, width, blocks.lost_by_chance(depth, width));
+    let open = blocks.lost_by_chance(depth, width);
+    if open.len() < depth.len() / FEW {
+        return None;
+    }
+    let open = alone(depth, width, open);
     let mut out = depth.to_vec();
     fill(&mut out, width, open, level);
     Some(out)
@@ -111,23 +117,40 @@ impl Blocks {
                 by_chance.push(by_chance_within(&mut own));
             }
         }
+        // Blocks that lie in a shadow as a whole tell nothing.
+        let told: Vec<[u8; 2]> = shares
+            .iter()
+            .map(|share| {
+                [
+                    u8::from(*share <= MOST),
+                    u8::from((TOUCHED..=MOST).contains(share)),
+                ]
+            })
+            .collect();
         let mut around = Vec::new();
         for j in 0..rows {
             let near_rows = j.saturating_sub(AROUND)..(j + AROUND + 1).min(rows);
             for i in 0..columns {
                 let near_columns = i.saturating_sub(AROUND)..(i + AROUND + 1).min(columns);
+                let (mut all, mut touched) = (0, 0);
+                for row in near_rows.clone() {
+                    for told in &told[row * columns..][near_columns.clone()] {
+                        all += told[0];
+                        touched += told[1];
+                    }
+                }
+                if touched == 0 || f64::from(touched) < TYPICAL * f64::from(all) {
+                    continue;
+                }
                 around.clear();
                 for row in near_rows.clone() {
                     let row = &shares[row * columns..][near_columns.clone()];
                     around.extend(row.iter().filter(|share| **share <= MOST));
                 }
-                let touched = around.iter().filter(|share| **share >= TOUCHED).count();
+                around.sort_unstable_by(f64::total_cmp);
+                let typical = around[((1.0 - TYPICAL) * around.len() as f64) as usize];
                 let share = &mut by_chance[j * columns + i];
-                if touched > 0 && touched as f64 >= TYPICAL * around.len() as f64 {
-                    around.sort_unstable_by(f64::total_cmp);
-                    let typical = around[((1.0 - TYPICAL) * around.len() as f64) as usize];
-                    *share = share.max(typical);
-                }
+                *share = share.max(typical);
             }
         }
         Self {
