@@ -88,6 +88,7 @@ mod gate;
 mod ink;
 mod inset;
 mod joint;
+mod lean;
 mod lost;
 mod measure;
 mod misfit;
