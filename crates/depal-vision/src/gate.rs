@@ -89,18 +89,23 @@ pub fn gate<'a>(
     // A camera that smears, or whose depths are averaged, has put in what it lost by chance.
     if !smeared && !noisy {
         let given = if odd == 0 { &frame.depth } else { &*cleaned };
-        let kept = without_outliers(given, width, LEVEL);
-        let mended = mended(kept.as_deref().unwrap_or(given), width, LEVEL);
-        if let Some(better) = mended.or(kept) {
-            *cleaned = better;
+        if let Some(kept) = without_outliers(given, width, LEVEL) {
+            mark(&mut in_region, &kept, near, far);
+            *cleaned = kept;
+        }
+        let given = if cleaned.is_empty() {
+            &frame.depth
+        } else {
+            &*cleaned
+        };
+        if let Some(mended) = mended(given, &in_region, width, LEVEL) {
+            *cleaned = mended;
         }
     }
     let depth: &[f32] = if cleaned.is_empty() {
         &frame.depth
     } else {
-        for (inside, &z) in in_region.iter_mut().zip(cleaned.iter()) {
-            *inside = u8::from(z >= near && z <= far);
-        }
+        mark(&mut in_region, cleaned, near, far);
         cleaned
     };
     let mut window = Window {
@@ -129,6 +134,13 @@ pub fn gate<'a>(
         window,
         points_in_region,
     })
+}
+
+/// 1 where a depth is measured and in range.
+fn mark(in_region: &mut [u8], depth: &[f32], near: f32, far: f32) {
+    for (inside, &z) in in_region.iter_mut().zip(depth) {
+        *inside = u8::from(z >= near && z <= far);
+    }
 }
 
 /// Clears what lies outside the region.

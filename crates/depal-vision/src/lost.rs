@@ -24,9 +24,10 @@ const TYPICAL: f64 = 0.6;
 /// With more lost than this there is nothing to go by.
 const MOST: f64 = 0.4;
 
-/// What a strip may lose by chance: so many pixels, and so many times what it loses on the mean. Clusters of up to ten
-/// pixels lie in a strip as a whole.
-const CHANCE: (f64, f64) = (26.0, 1.1);
+/// What a strip may lose by chance: so many pixels, and so many times what it loses on the mean. A line one pixel wide
+/// takes 32 pixels of a strip, a quarter of it, and chance its share of the rest: so most of a line has lost more, and
+/// the others hang together with it. Two clusters of up to ten pixels have lost less.
+const CHANCE: (f64, f64) = (28.0, 0.75);
 
 /// One of so many pixels is too few to spoil anything.
 const FEW: usize = 4000;
@@ -35,10 +36,11 @@ const LEAST_AROUND: usize = 3;
 /// What is in the middle of a cluster follows from what was put in around it.
 const ROUNDS: usize = 3;
 
-/// The depths with what was lost by chance put in; `None` where a picture has lost next to nothing so. `level`: by how
-/// much what is measured around a pixel may differ on one surface, metres.
-pub fn mended(depth: &[f32], width: usize, level: f32) -> Option<Vec<f32>> {
-    let blocks = Blocks::new(&Cells::new(depth, width));
+/// The depths with what was lost by chance put in; `None` where a picture has lost next to nothing so. `measured`: 1
+/// where a depth is measured and in range. `level`: by how much what is measured around a pixel may differ on one
+/// surface, metres.
+pub fn mended(depth: &[f32], measured: &[u8], width: usize, level: f32) -> Option<Vec<f32>> {
+    let blocks = Blocks::new(&Cells::new(measured, width));
     if blocks.by_chance.iter().all(|share| *share == 0.0) {
         return None;
     }
@@ -61,20 +63,20 @@ struct Cells {
 
 impl Cells {
     /// Whole cells only.
-    fn new(depth: &[f32], width: usize) -> Self {
+    fn new(measured: &[u8], width: usize) -> Self {
         let columns = width / CELL;
-        let rows = depth.len() / width / CELL;
+        let rows = measured.len() / width / CELL;
         let mut lost = vec![0u8; columns * rows];
         let mut line = vec![0u8; columns * CELL];
         pulp::Arch::new().dispatch(|| {
-            for (band, cells) in depth
+            for (band, cells) in measured
                 .chunks_exact(CELL * width)
                 .zip(lost.chunks_exact_mut(columns.max(1)))
             {
                 line.fill(0);
                 for row in band.chunks_exact(width) {
-                    for (lost, &z) in line.iter_mut().zip(row) {
-                        *lost += u8::from(z == 0.0);
+                    for (lost, measured) in line.iter_mut().zip(row) {
+                        *lost += 1 - measured;
                     }
                 }
                 for (lost, line) in cells.iter_mut().zip(line.as_chunks::<CELL>().0) {
@@ -303,3 +305,6 @@ fn fill(depth: &mut [f32], width: usize, mut open: Vec<usize>, level: f32) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
