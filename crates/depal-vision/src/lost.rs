@@ -188,8 +188,7 @@ impl Blocks {
                 strips.look(depth, width, pixel_rows.clone(), pixel_columns.clone());
                 for v in pixel_rows.clone() {
                     let shares = &self.by_chance[v / BLOCK * self.columns..];
-                    for block in first..i {
-                        let share = shares[block];
+                    for (block, &share) in (first..i).zip(&shares[first..i]) {
                         if share == 0.0 {
                             continue;
                         }

@@ -1,10 +1,10 @@
 //! Pixels that are lost by chance hide no carton, and what is put in for them hides no gap.
 
-use depal_camera::{Material, SensorSpec};
+use depal_camera::{Material, RenderShape, SensorSpec};
 use depal_frames::DepthFrame;
 use depal_vision::{Detection, VisionSettings, detect};
 use disturbed::Disturbance;
-use rendered::{Carton, Layout, Score, camera, layer, looking_down, picture, stacked};
+use rendered::{Carton, Layout, Score, block, camera, layer, looking_down, picture, stacked};
 
 mod disturbed;
 mod rendered;
@@ -135,6 +135,34 @@ fn cartons_under_film_are_found_where_gaps_can_be_seen() {
     }
     assert_eq!(total.false_positives, 0, "{}", total.line());
     assert!(total.found * 10 >= total.wanted * 9, "{}", total.line());
+}
+
+/// A strip of tape along the middle of each carton, from side to side, in the mirror image as a whole.
+#[test]
+fn cartons_with_glossy_tape_are_found() {
+    let mut total = Score::default();
+    for layout in LAYOUTS {
+        for gap_mm in [5.0, 3.0] {
+            for across in [false, true] {
+                let cartons = layer(layout, gap_mm * 1e-3, TOP, 85);
+                let mut shapes = stacked(&cartons, TOP);
+                shapes.extend((2000..).zip(&cartons).map(|(id, c)| tape(id, c, across)));
+                let spec = camera(SensorSpec::laser_3m());
+                let frame = picture(&spec, &looking_down(TOP + 2.0), &shapes, 85);
+                total.absorb(score(&cartons, &seen(layout, &frame)));
+            }
+        }
+    }
+    assert_eq!(total.false_positives, 0, "{}", total.line());
+    assert!(total.found * 10 >= total.wanted * 9, "{}", total.line());
+}
+
+fn tape(id: u32, carton: &Carton, across: bool) -> RenderShape {
+    let along = usize::from(across);
+    let mut size = [0.04, 0.04, 0.000_2];
+    size[along] = carton.size[along] - 0.004;
+    let centre = [carton.x, carton.y, carton.top + 0.000_1];
+    block(id, centre, size, carton.yaw, Material::GLOSSY_TAPE)
 }
 
 /// A carton of twice the size would lie over two of these: only the gap says that it is none of them.

@@ -124,8 +124,8 @@ fn fill_rows(depth: &mut [f32], width: usize, value: impl Fn(f32, f32, f32) -> f
             }
             if let Some(from) = last {
                 let (a, b) = (row[from], row[u]);
-                for k in from + 1..u {
-                    row[k] = value(a, b, (k - from) as f32 / (u - from) as f32);
+                for (k, z) in row[from..u].iter_mut().enumerate().skip(1) {
+                    *z = value(a, b, k as f32 / (u - from) as f32);
                 }
             }
             last = Some(u);
