@@ -2,13 +2,20 @@
 
 use depal_frames::{DepthFrame, Intrinsics, Point};
 
-use crate::{RegionOfInterest, VisionSettings, average::averaged, smear::sharpened};
+use crate::{
+    RegionOfInterest, VisionSettings, average::averaged, lost::mended, outliers::without_outliers,
+    smear::sharpened,
+};
 
 /// Depths beyond this are no measurement of any depth camera for cartons.
 const LARGEST_DEPTH: f32 = 60.0;
 
 /// Steps narrower than this are left as they are, pixels.
 pub(crate) const LEAST_SMEAR: usize = 5;
+
+/// What is measured around a lost pixel differs by no more on one surface, metres: noise, and the slope of a carton
+/// that leans.
+const LEVEL: f32 = 0.01;
 
 /// A checked depth image.
 pub struct DepthImage<'a> {
@@ -63,9 +70,7 @@ pub fn gate<'a>(
     });
     let smeared = settings.smear_px >= LEAST_SMEAR;
     let noisy = settings.average_px > 0;
-    let depth = if odd == 0 && !smeared && !noisy {
-        &frame.depth
-    } else {
+    if odd != 0 || smeared || noisy {
         cleaned.extend(
             frame
                 .depth
@@ -80,9 +85,27 @@ pub fn gate<'a>(
             let noise = 0.5 * settings.plane_tolerance as f32;
             *cleaned = sharpened(cleaned, width, settings.smear_px, noise.max(0.0));
         }
-        for (inside, &z) in in_region.iter_mut().zip(cleaned.iter()) {
-            *inside = u8::from(z >= near && z <= far);
+    }
+    // A camera that smears, or whose depths are averaged, has put in what it lost by chance.
+    if !smeared && !noisy {
+        let given = if odd == 0 { &frame.depth } else { &*cleaned };
+        if let Some(kept) = without_outliers(given, width, LEVEL) {
+            mark(&mut in_region, &kept, near, far);
+            *cleaned = kept;
         }
+        let given = if cleaned.is_empty() {
+            &frame.depth
+        } else {
+            &*cleaned
+        };
+        if let Some(mended) = mended(given, &in_region, width, LEVEL) {
+            *cleaned = mended;
+        }
+    }
+    let depth: &[f32] = if cleaned.is_empty() {
+        &frame.depth
+    } else {
+        mark(&mut in_region, cleaned, near, far);
         cleaned
     };
     let mut window = Window {
@@ -111,6 +134,13 @@ pub fn gate<'a>(
         window,
         points_in_region,
     })
+}
+
+/// 1 where a depth is measured and in range.
+fn mark(in_region: &mut [u8], depth: &[f32], near: f32, far: f32) {
+    for (inside, &z) in in_region.iter_mut().zip(depth) {
+        *inside = u8::from(z >= near && z <= far);
+    }
 }
 
 /// Clears what lies outside the region.

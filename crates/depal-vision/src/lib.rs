@@ -20,7 +20,8 @@
 //!
 //! # Stages
 //!
-//! 1. `gate`: valid pixels, depth range, region of interest.
+//! 1. `gate`: valid pixels, depth range, region of interest. `lost`: what is lost by chance is put in, `strips` says
+//!    what is lost along lines; `outliers`: single wrong depths.
 //! 2. `steps`: the step mask; surface is what has nothing much nearer within two pixels.
 //! 3. `components`: connected pieces. `plane`: a plane is affine in inverse depth.
 //! 4. `orientation`, `patch`: each piece resampled in its own axes, with running sums.
@@ -106,12 +107,14 @@ mod ink;
 mod inset;
 mod joint;
 mod lean;
+mod lost;
 mod measure;
 mod misfit;
 mod neighbours;
 mod noise;
 mod obstacles;
 mod orientation;
+mod outliers;
 mod outlined;
 mod overhang;
 mod parted;
@@ -129,6 +132,7 @@ mod smear;
 mod spaced_points;
 mod stands;
 mod steps;
+mod strips;
 mod support;
 mod surface;
 mod turn_together;
