@@ -10,7 +10,7 @@ use crate::{
     neighbours::neighbours,
     obstacles::obstacle_points,
     steps::surface_mask,
-    surface::Surface,
+    surface::{Surface, least_pixels},
     turn_together::turn_together,
 };
 
@@ -78,7 +78,8 @@ pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detecti
     }
     let mask = surface_mask(&image, &image.lone_holes(), settings.step);
     let mut measured = Vec::new();
-    for component in components(&mask, image.width) {
+    let least = least_pixels(&image, settings, SMALLEST_MEASURED);
+    for component in components(&mask, image.width, least) {
         match Surface::new(component, &image, settings, SMALLEST_MEASURED)
             .and_then(|mut s| s.measure(&mask, &image, settings).map_err(Some))
         {
@@ -131,7 +132,8 @@ fn find_boxes(
         .fold(f64::MAX, f64::min);
     let mut found: Vec<DetectedBox> = Vec::new();
     let mut surfaces = Vec::new();
-    for component in components(&mask, image.width) {
+    let least = least_pixels(image, settings, smallest);
+    for component in components(&mask, image.width, least) {
         match Surface::new(component, image, settings, smallest) {
             Ok(surface) => surfaces.push(surface),
             Err(rejected) => detection.rejected.extend(rejected),

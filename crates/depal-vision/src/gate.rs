@@ -2,10 +2,10 @@
 
 use depal_frames::{DepthFrame, Intrinsics, Point};
 
-use crate::{RegionOfInterest, VisionSettings, average::averaged, smear::sharpened};
+use crate::{RegionOfInterest, VisionSettings, average::averaged, scratch::Kept, smear::sharpened};
 
 /// Depths beyond this are no measurement of any depth camera for cartons.
-const LARGEST_DEPTH: f32 = 60.0;
+pub(crate) const LARGEST_DEPTH: f32 = 60.0;
 
 /// Steps narrower than this are left as they are, pixels.
 pub(crate) const LEAST_SMEAR: usize = 5;
@@ -20,7 +20,7 @@ pub struct DepthImage<'a> {
     /// Grey values; empty without an intensity image of the same size.
     pub intensity: &'a [u8],
     /// 1 where the pixel is valid, in the depth range and in the region.
-    pub in_region: Vec<u8>,
+    pub in_region: Kept<u8>,
     pub window: Window,
     pub points_in_region: usize,
 }
@@ -47,7 +47,7 @@ pub fn gate<'a>(
     }
     let near = settings.min_depth.max(1e-3) as f32;
     let far = (settings.max_depth as f32).min(LARGEST_DEPTH);
-    let mut in_region = vec![0u8; pixels];
+    let mut in_region = Kept::of_any(pixels, 0u8);
     let mut odd = 0u32;
     pulp::Arch::new().dispatch(|| {
         let rows = frame.depth.chunks_exact(width);

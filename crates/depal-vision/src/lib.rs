@@ -99,6 +99,7 @@ mod patch;
 mod plane;
 mod relief;
 mod resample;
+mod scratch;
 mod seams;
 mod search;
 mod settings;

@@ -42,16 +42,19 @@ fn deviation(depth: &[f32], width: usize, lag: usize) -> Option<f64> {
     }
     let stride = (depth.len() / SAMPLES).max(1) | 1;
     let in_row = width - 2 * lag;
-    let mut bends: Vec<f32> = (0..depth.len() / width * in_row)
-        .step_by(stride)
-        .map(|n| {
-            let row = &depth[n / in_row * width..][..width];
-            let first = n % in_row;
-            [row[first], row[first + lag], row[first + 2 * lag]]
-        })
-        .filter(|w| w.iter().all(|&z| z > 0.0 && z.is_finite()))
-        .map(|w| (w[0] - 2.0 * w[1] + w[2]).abs())
-        .collect();
+    let mut bends: Vec<f32> = Vec::with_capacity(depth.len() / stride + 1);
+    // Every so many pixels, as if the rows, cut short by two lags, were one line.
+    let mut first = 0;
+    for row in depth.chunks_exact(width) {
+        let places = row[..in_row].iter().zip(&row[lag..]).zip(&row[2 * lag..]);
+        for ((&a, &b), &c) in places.skip(first).step_by(stride) {
+            if a > 0.0 && b > 0.0 && c > 0.0 && a + b + c < f32::INFINITY {
+                bends.push((a - 2.0 * b + c).abs());
+            }
+            first += stride;
+        }
+        first = first.max(in_row) - in_row;
+    }
     if bends.len() < 100 {
         return None;
     }

@@ -4,7 +4,8 @@
 use depal_frames::Intrinsics;
 
 use crate::{
-    blank::Blank, gate::DepthImage, plane::PlaneFrame, resample::ResampledRow, search::left_out,
+    blank::Blank, gate::DepthImage, plane::PlaneFrame, resample::ResampledRow, scratch::Kept,
+    search::left_out,
 };
 
 /// Side of a block whose heights are averaged, cells.
@@ -32,13 +33,13 @@ pub struct Patch {
     /// Depths were averaged: their noise is more than the heights by which cartons differ.
     pub averaged: bool,
     /// Surface cells of all cells below and left.
-    area: Vec<u32>,
+    area: Kept<u32>,
     /// Deep cells of all cells below and left, in squares of [`COARSE`] cells.
-    deep: Vec<u32>,
+    deep: Kept<u32>,
     /// Edge weight of vertical lines, summed over the rows below; wraps around.
-    vertical: Vec<u16>,
+    vertical: Kept<u16>,
     /// Edge weight of horizontal lines, summed over the columns to the left; wraps around.
-    horizontal: Vec<u16>,
+    horizontal: Kept<u16>,
     /// What was left out.
     pub blanks: Vec<Blank>,
     /// For each whole block, row by row: sum of the heights over the plane (metres) of its surface cells.
@@ -78,6 +79,71 @@ fn weigh(edge: [&[u8]; 5], weights: &mut [u8]) {
     let edge = edge.map(|row| &row[..count]);
     for (i, w) in weights.iter_mut().enumerate() {
         *w = weight([edge[0][i], edge[1][i], edge[2][i], edge[3][i], edge[4][i]]);
+    }
+}
+
+/// Cells on both sides of a line that count as edge on it.
+const AROUND: usize = 2;
+
+/// The sums over edge cells, row after row.
+struct EdgeSums {
+    columns: usize,
+    /// The last five rows of edge cells, in turn, each with a margin at both ends.
+    last: [Vec<u8>; 2 * AROUND + 1],
+    weights: Vec<u8>,
+    vertical_row: Vec<u16>,
+    horizontal_row: Vec<u16>,
+    vertical: Kept<u16>,
+    horizontal: Kept<u16>,
+}
+
+impl EdgeSums {
+    #[inline(always)]
+    fn new(columns: usize, rows: usize) -> Self {
+        let vertical_row = vec![0u16; columns];
+        let mut vertical = Kept::with_capacity(columns * (rows + 1));
+        vertical.extend_from_slice(&vertical_row);
+        Self {
+            columns,
+            last: std::array::from_fn(|_| vec![0; columns + 2 * AROUND]),
+            weights: vec![0; columns],
+            vertical_row,
+            horizontal_row: vec![0; columns + 1],
+            vertical,
+            horizontal: Kept::with_capacity((columns + 1) * rows),
+        }
+    }
+
+    /// Where the edge cells of row `j` are put, after those of all rows before.
+    #[inline(always)]
+    fn row(&mut self, j: usize) -> &mut [u8] {
+        let place = j % self.last.len();
+        &mut self.last[place][AROUND..AROUND + self.columns]
+    }
+
+    /// Sums up row `j`, once the two rows behind it are put.
+    #[inline(always)]
+    fn sum(&mut self, j: usize) {
+        let columns = self.columns;
+        let here = &self.last[j % self.last.len()];
+        let across: [&[u8]; 5] = std::array::from_fn(|k| &here[k..k + columns]);
+        weigh(across, &mut self.weights);
+        for (sum, &w) in self.vertical_row.iter_mut().zip(&self.weights) {
+            *sum = sum.wrapping_add(u16::from(w));
+        }
+        self.vertical.extend_from_slice(&self.vertical_row);
+        // From two rows before to two behind.
+        let around: [&[u8]; 5] = std::array::from_fn(|k| {
+            let row = &self.last[(j + k + 1 + AROUND) % self.last.len()];
+            &row[AROUND..AROUND + columns]
+        });
+        weigh(around, &mut self.weights);
+        let mut sum = 0u16;
+        for (out, &w) in self.horizontal_row[1..].iter_mut().zip(&self.weights) {
+            sum = sum.wrapping_add(u16::from(w));
+            *out = sum;
+        }
+        self.horizontal.extend_from_slice(&self.horizontal_row);
     }
 }
 
@@ -127,18 +193,16 @@ impl Patch {
         } = *grid;
         let columns = ((x[1] - x[0]) / pitch).ceil().max(1.0) as usize;
         let rows = ((y[1] - y[0]) / pitch).ceil().max(1.0) as usize;
-        // Two cells of margin all round.
-        let stride = columns + 4;
-        let mut edge = vec![0u8; stride * (rows + 4)];
+        let mut edges = EdgeSums::new(columns, rows);
         let mut row = ResampledRow::new(columns);
         // Sums so far, one row; every array is written once, row after row.
         let mut area_row = vec![0u32; columns + 1];
-        let mut area = Vec::with_capacity((columns + 1) * (rows + 1));
+        let mut area = Kept::with_capacity((columns + 1) * (rows + 1));
         area.extend_from_slice(&area_row);
         let coarse = columns / COARSE;
         let mut deep_cells = vec![0u8; columns];
         let mut deep_row = vec![0u32; coarse + 1];
-        let mut deep = Vec::with_capacity((coarse + 1) * (rows / COARSE + 1));
+        let mut deep = Kept::with_capacity((coarse + 1) * (rows / COARSE + 1));
         deep.extend_from_slice(&deep_row);
         let (block_columns, block_rows) = (columns / BLOCK, rows / BLOCK);
         let mut heights = Vec::with_capacity(block_columns * block_rows);
@@ -147,10 +211,13 @@ impl Patch {
             let along = y[0] + (j as f64 + 0.5) * pitch;
             let first = frame.point(x[0] + 0.5 * pitch, along);
             row.fetch(image, first, frame.x * pitch);
-            let edge = &mut edge[(j + 2) * stride + 2..(j + 2) * stride + 2 + columns];
+            let edge = edges.row(j);
             row.classify(tolerance as f32, edge);
             for blank in blanks {
                 row.blank(blank.cells(along, x[0], pitch, columns), edge);
+            }
+            if let Some(done) = j.checked_sub(AROUND) {
+                edges.sum(done);
             }
             let mut sum = 0u32;
             for (&on, total) in row.on.iter().zip(&mut area_row[1..]) {
@@ -180,31 +247,11 @@ impl Patch {
                 height_cells.fill(0.0);
             }
         }
-        let mut vertical_row = vec![0u16; columns];
-        let mut vertical = Vec::with_capacity(columns * (rows + 1));
-        vertical.extend_from_slice(&vertical_row);
-        let mut horizontal_row = vec![0u16; columns + 1];
-        let mut horizontal = Vec::with_capacity((columns + 1) * rows);
-        let mut weights = vec![0u8; columns];
-        for j in 0..rows {
-            let here = &edge[(j + 2) * stride..(j + 3) * stride];
-            let across: [&[u8]; 5] = std::array::from_fn(|k| &here[k..k + columns]);
-            weigh(across, &mut weights);
-            for (sum, &w) in vertical_row.iter_mut().zip(&weights) {
-                *sum = sum.wrapping_add(u16::from(w));
+        for j in rows..rows + AROUND {
+            edges.row(j).fill(0);
+            if let Some(done) = j.checked_sub(AROUND) {
+                edges.sum(done);
             }
-            vertical.extend_from_slice(&vertical_row);
-            // Five rows of the margin image around row j.
-            let around: [&[u8]; 5] = std::array::from_fn(|k| {
-                &edge[(j + k) * stride + 2..(j + k) * stride + 2 + columns]
-            });
-            weigh(around, &mut weights);
-            let mut sum = 0u16;
-            for (out, &w) in horizontal_row[1..].iter_mut().zip(&weights) {
-                sum = sum.wrapping_add(u16::from(w));
-                *out = sum;
-            }
-            horizontal.extend_from_slice(&horizontal_row);
         }
         Self {
             frame,
@@ -218,8 +265,8 @@ impl Patch {
             averaged,
             area,
             deep,
-            vertical,
-            horizontal,
+            vertical: edges.vertical,
+            horizontal: edges.horizontal,
             blanks: blanks.to_vec(),
             heights,
         }

@@ -1,6 +1,6 @@
 //! Stage 2: the step mask. A pixel is surface when nothing within two pixels is much nearer.
 
-use crate::gate::DepthImage;
+use crate::{gate::DepthImage, scratch::Kept};
 
 /// Half of the window: 5 x 5 pixels, so that a line of gap pixels parts two surfaces even where
 /// noise has closed it for up to four pixels.
@@ -11,7 +11,7 @@ const WINDOW: usize = 2 * REACH + 1;
 ///
 /// Two running minima of 5 x 5, one over depth and one over what is surface, go down the image
 /// together, so that only a dozen rows are in use at a time.
-pub fn surface_mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
+pub fn surface_mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Kept<u8> {
     pulp::Arch::new().dispatch(MaskJob { image, holes, step })
 }
 
@@ -23,20 +23,23 @@ struct MaskJob<'a> {
 }
 
 impl pulp::WithSimd for MaskJob<'_> {
-    type Output = Vec<u8>;
+    type Output = Kept<u8>;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<u8> {
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Kept<u8> {
         mask(self.image, self.holes, self.step)
     }
 }
 
 #[inline(always)]
-fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
+fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Kept<u8> {
     let step = step as f32;
     let (width, height) = (image.width, image.height);
-    let mut mask = vec![0u8; width * height];
     let (top, bottom) = image.window.rows;
+    // Each row of the window is written below.
+    let mut mask = Kept::of_any(width * height, 0u8);
+    mask[..top.min(height) * width].fill(0);
+    mask[bottom.min(height) * width..].fill(0);
     let mut nearest = RollingMin::new(width, f32::MAX);
     let mut eroded = RollingMin::new(width, 0u8);
     let mut filled = vec![FilledRow::new(width); WINDOW];

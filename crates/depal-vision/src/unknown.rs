@@ -1,13 +1,13 @@
 //! Cells of a patch of which nothing is known: hidden by something nearer, or not measured. Tape, shadows and
 //! higher cartons are neither surface nor edge.
 
-use crate::{gate::DepthImage, patch::Patch, resample::ResampledRow};
+use crate::{gate::DepthImage, patch::Patch, resample::ResampledRow, scratch::Kept};
 
 /// Sums over the unknown cells of a patch.
 pub struct Unknown<'a> {
     patch: &'a Patch,
     /// Unknown cells of all cells below and left.
-    sums: Vec<u32>,
+    sums: Kept<u32>,
 }
 
 impl<'a> Unknown<'a> {
@@ -16,7 +16,7 @@ impl<'a> Unknown<'a> {
         let (columns, rows) = (patch.columns, patch.rows);
         let mut row = ResampledRow::new(columns);
         let mut above = vec![0u32; columns + 1];
-        let mut sums = Vec::with_capacity((columns + 1) * (rows + 1));
+        let mut sums = Kept::with_capacity((columns + 1) * (rows + 1));
         sums.extend_from_slice(&above);
         let mut cells = vec![0u8; columns];
         for j in 0..rows {
