@@ -76,7 +76,12 @@ pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detecti
     if image.points_in_region == 0 {
         return detection;
     }
-    let mask = surface_mask(&image, &image.lone_holes(), settings.step);
+    let mask = surface_mask(
+        &image,
+        &image.lone_holes(),
+        settings.step,
+        settings.step_noise,
+    );
     let mut measured = Vec::new();
     let least = least_pixels(&image, settings, SMALLEST_MEASURED);
     for component in components(&mask, image.width, least) {
@@ -123,7 +128,12 @@ fn find_boxes(
     entered: &mut dyn FnMut(Stage),
 ) {
     entered(Stage::Pieces);
-    let mask = surface_mask(image, &image.lone_holes(), settings.step);
+    let mask = surface_mask(
+        image,
+        &image.lone_holes(),
+        settings.step,
+        settings.step_noise,
+    );
     let smallest = settings
         .sizes
         .iter()

@@ -134,6 +134,13 @@ impl VisionSettings {
         if let Some(sigma) = sigma {
             let noise = (SIGMAS * sigma).min(MOST);
             self.step = self.step.max(noise);
+            // Where steps are sharp, what lies deeper than most of the picture is as much noisier.
+            if soft.is_empty()
+                && self.smear_px == 0
+                && let Some(z) = middle
+            {
+                self.step_noise = self.step_noise.max(noise / (z * z));
+            }
             self.plane_tolerance = self.plane_tolerance.max(noise);
             // An edge is uncertain by what depth is, seen from the rim of the image.
             self.size_tolerance = self.size_tolerance.max(0.5 * noise);

@@ -138,12 +138,32 @@ impl EdgeSums {
             &row[AROUND..AROUND + columns]
         });
         weigh(around, &mut self.weights);
-        let mut sum = 0u16;
-        for (out, &w) in self.horizontal_row[1..].iter_mut().zip(&self.weights) {
-            sum = sum.wrapping_add(u16::from(w));
-            *out = sum;
-        }
+        sums_along(&self.weights, &mut self.horizontal_row[1..], |sum, _| {
+            sum as u16
+        });
         self.horizontal.extend_from_slice(&self.horizontal_row);
+    }
+}
+
+/// Puts to each place of `totals` what `put` makes of the sum of the cells up to there and of what stands there.
+/// Cells are at most 31, so that eight of them, summed up by one multiplication, stay below 256.
+#[inline(always)]
+fn sums_along<T: Copy>(cells: &[u8], totals: &mut [T], put: impl Fn(u32, T) -> T) {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    let (chunks, rest) = cells.as_chunks::<8>();
+    let (places, last) = totals.split_at_mut(8 * chunks.len());
+    let mut sum = 0u32;
+    for (chunk, places) in chunks.iter().zip(places.as_chunks_mut::<8>().0) {
+        // Byte k of the product is the sum of bytes 0 to k.
+        let sums = u64::from_le_bytes(*chunk).wrapping_mul(ONES).to_le_bytes();
+        for (place, within) in places.iter_mut().zip(sums) {
+            *place = put(sum + u32::from(within), *place);
+        }
+        sum += u32::from(sums[7]);
+    }
+    for (place, &cell) in last.iter_mut().zip(rest) {
+        sum += u32::from(cell);
+        *place = put(sum, *place);
     }
 }
 
@@ -219,11 +239,7 @@ impl Patch {
             if let Some(done) = j.checked_sub(AROUND) {
                 edges.sum(done);
             }
-            let mut sum = 0u32;
-            for (&on, total) in row.on.iter().zip(&mut area_row[1..]) {
-                sum += u32::from(on);
-                *total += sum;
-            }
+            sums_along(&row.on, &mut area_row[1..], |sum, total: u32| total + sum);
             area.extend_from_slice(&area_row);
             for (count, &deep) in deep_cells.iter_mut().zip(&row.deep) {
                 *count += deep;

@@ -68,7 +68,22 @@ impl ResampledRow {
             *pixel = int(v) * stride + int(u);
             *inside = u32::from(within);
         }
-        for (&pixel, depth) in self.pixel.iter().zip(&mut self.deeper) {
+        let (chunks, rest) = self.pixel.as_chunks::<8>();
+        let (places, last) = self.deeper.split_at_mut(8 * chunks.len());
+        for (pixels, places) in chunks.iter().zip(places.as_chunks_mut::<8>().0) {
+            let first = pixels[0];
+            // Most cells lie along a row of pixels, one on each.
+            let apart = (0..8).fold(0, |apart, k| apart | (pixels[k] - first - k as i32));
+            let row = image.depth.get(first as usize..first as usize + 8);
+            if let Some(row) = row.filter(|_| apart == 0) {
+                places.copy_from_slice(row);
+            } else {
+                for (&pixel, depth) in pixels.iter().zip(places) {
+                    *depth = image.depth[pixel as usize];
+                }
+            }
+        }
+        for (&pixel, depth) in rest.iter().zip(last) {
             *depth = image.depth[pixel as usize];
         }
         let cells = self.expected.iter().zip(&self.inside);

@@ -42,7 +42,7 @@ pub struct Kept<T: Keep>(Vec<T>);
 impl<T: Keep> Kept<T> {
     /// An empty one with room for so many: of those kept the smallest that is long enough.
     pub fn with_capacity(wanted: usize) -> Self {
-        Self(taken(wanted, |v| v.clear()))
+        Self(taken(wanted, Vec::clear))
     }
 
     /// One of so many elements, some of them left over from earlier: each must be written before it is read.

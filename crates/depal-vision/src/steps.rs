@@ -11,15 +11,23 @@ const WINDOW: usize = 2 * REACH + 1;
 ///
 /// Two running minima of 5 x 5, one over depth and one over what is surface, go down the image
 /// together, so that only a dozen rows are in use at a time.
-pub fn surface_mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Kept<u8> {
-    pulp::Arch::new().dispatch(MaskJob { image, holes, step })
+///
+/// A step is `step` high, metres, and at least `noise` times the square of depth.
+pub fn surface_mask(image: &DepthImage, holes: &[(usize, f32)], step: f64, noise: f64) -> Kept<u8> {
+    pulp::Arch::new().dispatch(MaskJob {
+        image,
+        holes,
+        step: step as f32,
+        noise: noise as f32,
+    })
 }
 
 /// The mask's loops for the widest vectors that the machine has; the same bits with any.
 struct MaskJob<'a> {
     image: &'a DepthImage<'a>,
     holes: &'a [(usize, f32)],
-    step: f64,
+    step: f32,
+    noise: f32,
 }
 
 impl pulp::WithSimd for MaskJob<'_> {
@@ -27,13 +35,12 @@ impl pulp::WithSimd for MaskJob<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Kept<u8> {
-        mask(self.image, self.holes, self.step)
+        mask(self.image, self.holes, self.step, self.noise)
     }
 }
 
 #[inline(always)]
-fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Kept<u8> {
-    let step = step as f32;
+fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f32, noise: f32) -> Kept<u8> {
     let (width, height) = (image.width, image.height);
     let (top, bottom) = image.window.rows;
     // Each row of the window is written below.
@@ -71,6 +78,8 @@ fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Kept<u8> {
                 .iter_mut()
                 .zip(row.depth.iter().zip(&low).zip(&row.inside))
             {
+                let noise = noise * low * low;
+                let step = if noise > step { noise } else { step };
                 *out = inside & u8::from(z - low < step);
             }
             eroded.push(middle, &surface);
