@@ -216,6 +216,10 @@ impl DepthImage<'_> {
             zeros(row, &mut found);
             for k in &found {
                 let i = v * w + left + k;
+                // Along a line of holes, or among them.
+                if self.in_region[i - 1] + self.in_region[i + 1] == 0 {
+                    continue;
+                }
                 let around = [i - w - 1, i - 1, i + w - 1];
                 // The hole itself is not in the region.
                 let count = around.map(|j| {

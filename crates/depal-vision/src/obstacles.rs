@@ -61,7 +61,10 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
                     samples.clamp(0.0, row.x.len() as f64) as usize
                 };
                 let (first, end) = (from(solid.columns[0]), from(solid.columns[1] + 1.0));
-                row.explain(first..end.max(first), y, solid);
+                pulp::Arch::new().dispatch(
+                    #[inline(always)]
+                    || row.explain(first..end.max(first), y, solid),
+                );
             }
         }
         for ((&x, &z), &open) in row.x.iter().zip(&row.z).zip(&row.open) {
@@ -101,6 +104,7 @@ impl Row {
     }
 
     /// Takes out what belongs to a carton; `y` of the rays with Z = 1.
+    #[inline(always)]
     fn explain(&mut self, samples: std::ops::Range<usize>, y: f64, solid: &Solid) {
         let places = self.x[samples.clone()].iter().zip(&self.z[samples.clone()]);
         for (open, (&x, &z)) in self.open[samples].iter_mut().zip(places) {
@@ -199,6 +203,7 @@ impl Solid {
         solid
     }
 
+    #[inline(always)]
     fn holds(&self, point_in_camera: &Point) -> bool {
         let p = self.turn * point_in_camera.coords + self.shift;
         // Without a jump: most are far from all borders, but which ones is not foreseen.

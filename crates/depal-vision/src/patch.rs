@@ -91,8 +91,7 @@ struct EdgeSums {
     /// The last five rows of edge cells, in turn, each with a margin at both ends.
     last: [Vec<u8>; 2 * AROUND + 1],
     weights: Vec<u8>,
-    vertical_row: Vec<u16>,
-    horizontal_row: Vec<u16>,
+    nothing: Vec<u16>,
     vertical: Kept<u16>,
     horizontal: Kept<u16>,
 }
@@ -100,17 +99,16 @@ struct EdgeSums {
 impl EdgeSums {
     #[inline(always)]
     fn new(columns: usize, rows: usize) -> Self {
-        let vertical_row = vec![0u16; columns];
-        let mut vertical = Kept::with_capacity(columns * (rows + 1));
-        vertical.extend_from_slice(&vertical_row);
+        // All but the first row and column is written by and by.
+        let mut vertical = Kept::of_any(columns * (rows + 1), 0);
+        vertical[..columns].fill(0);
         Self {
             columns,
             last: std::array::from_fn(|_| vec![0; columns + 2 * AROUND]),
             weights: vec![0; columns],
-            vertical_row,
-            horizontal_row: vec![0; columns + 1],
+            nothing: vec![0; columns],
             vertical,
-            horizontal: Kept::with_capacity((columns + 1) * rows),
+            horizontal: Kept::of_any((columns + 1) * rows, 0),
         }
     }
 
@@ -128,43 +126,57 @@ impl EdgeSums {
         let here = &self.last[j % self.last.len()];
         let across: [&[u8]; 5] = std::array::from_fn(|k| &here[k..k + columns]);
         weigh(across, &mut self.weights);
-        for (sum, &w) in self.vertical_row.iter_mut().zip(&self.weights) {
-            *sum = sum.wrapping_add(u16::from(w));
+        let (before, next) = row_and_next(&mut self.vertical, j, columns);
+        for ((sum, &before), &w) in next.iter_mut().zip(before).zip(&self.weights) {
+            *sum = before.wrapping_add(u16::from(w));
         }
-        self.vertical.extend_from_slice(&self.vertical_row);
         // From two rows before to two behind.
         let around: [&[u8]; 5] = std::array::from_fn(|k| {
             let row = &self.last[(j + k + 1 + AROUND) % self.last.len()];
             &row[AROUND..AROUND + columns]
         });
         weigh(around, &mut self.weights);
-        sums_along(&self.weights, &mut self.horizontal_row[1..], |sum, _| {
+        let row = &mut self.horizontal[j * (columns + 1)..(j + 1) * (columns + 1)];
+        row[0] = 0;
+        // The rows are summed up each by itself: of the one before nothing is needed.
+        sums_along(&self.weights, &self.nothing, &mut row[1..], |sum, _| {
             sum as u16
         });
-        self.horizontal.extend_from_slice(&self.horizontal_row);
     }
 }
 
-/// Puts to each place of `totals` what `put` makes of the sum of the cells up to there and of what stands there.
+/// Puts to each place what `put` makes of the sum of the cells up to there and of what stands there in the row before.
 /// Cells are at most 31, so that eight of them, summed up by one multiplication, stay below 256.
 #[inline(always)]
-fn sums_along<T: Copy>(cells: &[u8], totals: &mut [T], put: impl Fn(u32, T) -> T) {
+fn sums_along<T: Copy>(cells: &[u8], before: &[T], totals: &mut [T], put: impl Fn(u32, T) -> T) {
     const ONES: u64 = 0x0101_0101_0101_0101;
     let (chunks, rest) = cells.as_chunks::<8>();
     let (places, last) = totals.split_at_mut(8 * chunks.len());
+    let (earlier, last_earlier) = before.split_at(8 * chunks.len());
     let mut sum = 0u32;
-    for (chunk, places) in chunks.iter().zip(places.as_chunks_mut::<8>().0) {
+    for ((chunk, places), earlier) in chunks
+        .iter()
+        .zip(places.as_chunks_mut::<8>().0)
+        .zip(earlier.as_chunks::<8>().0)
+    {
         // Byte k of the product is the sum of bytes 0 to k.
         let sums = u64::from_le_bytes(*chunk).wrapping_mul(ONES).to_le_bytes();
-        for (place, within) in places.iter_mut().zip(sums) {
-            *place = put(sum + u32::from(within), *place);
+        for ((place, &before), within) in places.iter_mut().zip(earlier).zip(sums) {
+            *place = put(sum + u32::from(within), before);
         }
         sum += u32::from(sums[7]);
     }
-    for (place, &cell) in last.iter_mut().zip(rest) {
+    for ((place, &before), &cell) in last.iter_mut().zip(last_earlier).zip(rest) {
         sum += u32::from(cell);
-        *place = put(sum, *place);
+        *place = put(sum, before);
     }
+}
+
+/// Row `j` of a list of rows, and the one after it to be written.
+#[inline(always)]
+fn row_and_next<T>(rows: &mut [T], j: usize, width: usize) -> (&[T], &mut [T]) {
+    let (before, next) = rows[j * width..(j + 2) * width].split_at_mut(width);
+    (before, next)
 }
 
 /// Side of the square on the plane that one pixel sees.
@@ -216,9 +228,8 @@ impl Patch {
         let mut edges = EdgeSums::new(columns, rows);
         let mut row = ResampledRow::new(columns);
         // Sums so far, one row; every array is written once, row after row.
-        let mut area_row = vec![0u32; columns + 1];
-        let mut area = Kept::with_capacity((columns + 1) * (rows + 1));
-        area.extend_from_slice(&area_row);
+        let mut area = Kept::of_any((columns + 1) * (rows + 1), 0u32);
+        area[..=columns].fill(0);
         let coarse = columns / COARSE;
         let mut deep_cells = vec![0u8; columns];
         let mut deep_row = vec![0u32; coarse + 1];
@@ -239,8 +250,11 @@ impl Patch {
             if let Some(done) = j.checked_sub(AROUND) {
                 edges.sum(done);
             }
-            sums_along(&row.on, &mut area_row[1..], |sum, total: u32| total + sum);
-            area.extend_from_slice(&area_row);
+            let (before, next) = row_and_next(&mut area, j, columns + 1);
+            next[0] = 0;
+            sums_along(&row.on, &before[1..], &mut next[1..], |sum, before| {
+                before + sum
+            });
             for (count, &deep) in deep_cells.iter_mut().zip(&row.deep) {
                 *count += deep;
             }
@@ -347,6 +361,14 @@ impl Patch {
     /// For rectangles of `cells` whose first row is `j` and whose first column is the place in the list:
     /// how many of their four sides show at least `share` of edge.
     pub fn seen_sides(&self, j: usize, cells: [usize; 2], share: f64, seen: &mut Vec<u8>) {
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.count_seen_sides(j, cells, share, seen),
+        );
+    }
+
+    #[inline(always)]
+    fn count_seen_sides(&self, j: usize, cells: [usize; 2], share: f64, seen: &mut Vec<u8>) {
         let [a, b] = cells;
         seen.clear();
         if a > self.columns || j + b > self.rows {
