@@ -43,15 +43,24 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
     let cube_of = |c: f64| (c * per_metre + SHIFT).clamp(0.0, 2.0 * SHIFT - 1.0) as u32;
     // Cube and how many neighbouring samples fell into it in a row.
     let mut cubes: Kept<(u64, u32)> = Kept::with_capacity(1 << 16);
-    let mut row = Row::default();
+    let mut row = Row::new(
+        (left..right)
+            .step_by(stride)
+            .map(|u| (u as f64 - k.cx) * per_column)
+            .collect(),
+    );
     for v in (top..bottom).step_by(stride) {
         let y = (v as f64 - k.cy) / k.fy;
-        row.clear();
-        for u in (left..right).step_by(stride) {
-            let i = v * image.width + u;
-            row.x.push((u as f64 - k.cx) * per_column);
-            row.z.push(f64::from(image.depth[i]));
-            row.open.push(image.in_region[i]);
+        let pixels = v * image.width + left..v * image.width + right;
+        let depth = image.depth[pixels.clone()].iter().step_by(stride);
+        let in_region = image.in_region[pixels].iter().step_by(stride);
+        for ((z, open), (&depth, &in_region)) in row
+            .z
+            .iter_mut()
+            .zip(&mut row.open)
+            .zip(depth.zip(in_region))
+        {
+            (*z, *open) = (f64::from(depth), in_region);
         }
         for solid in &solids {
             if solid.rows[0] <= v as f64 && v as f64 <= solid.rows[1] {
@@ -87,9 +96,8 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
 }
 
 /// Samples of one row of the image.
-#[derive(Default)]
 struct Row {
-    /// X of the ray with Z = 1, and depth, metres.
+    /// X of the ray with Z = 1, of every row the same, and depth, metres.
     x: Vec<f64>,
     z: Vec<f64>,
     /// 1 where it is in the region and not explained.
@@ -97,10 +105,12 @@ struct Row {
 }
 
 impl Row {
-    fn clear(&mut self) {
-        self.x.clear();
-        self.z.clear();
-        self.open.clear();
+    fn new(x: Vec<f64>) -> Self {
+        Self {
+            z: vec![0.0; x.len()],
+            open: vec![0; x.len()],
+            x,
+        }
     }
 
     /// Takes out what belongs to a carton; `y` of the rays with Z = 1.

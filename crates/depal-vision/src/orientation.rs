@@ -83,19 +83,29 @@ fn best(outline: &[(f32, f32)], bin: f64, middle: f64, step: f64, reach: i32) ->
     let radius = outline.iter().fold(0.0f32, |r, p| r.max(p.0.hypot(p.1)));
     let half = (f64::from(radius) / bin).ceil().min(20_000.0) as usize + 2;
     let mut bins = vec![0u16; 4 * half];
+    let mut places = vec![[0u32; 2]; outline.len()];
     let (first, second) = (half as f32, 3.0 * half as f32);
-    let last = 4 * half - 1;
+    let last = (4 * half - 1) as u32;
     let mut winner = (0u64, middle);
     for k in -reach..=reach {
         let yaw = middle + f64::from(k) * step;
         let (s, c) = ((yaw.sin() / bin) as f32, (yaw.cos() / bin) as f32);
         bins.fill(0);
-        for &(x, y) in outline {
-            // Shifted to the positive, where cutting off is floor.
-            let along = (x * c + y * s + first) as i32 as usize;
-            let across = (y * c - x * s + second) as i32 as usize;
-            bins[along.min(last)] += 1;
-            bins[across.min(last)] += 1;
+        // First where, then what: the processor does several of the former at once.
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for (&(x, y), place) in outline.iter().zip(&mut places) {
+                    // Shifted to the positive, where cutting off is floor.
+                    let along = (x * c + y * s + first) as i32 as u32;
+                    let across = (y * c - x * s + second) as i32 as u32;
+                    *place = [along.min(last), across.min(last)];
+                }
+            },
+        );
+        for &[along, across] in &places {
+            bins[along as usize] += 1;
+            bins[across as usize] += 1;
         }
         let score = bins
             .iter()
