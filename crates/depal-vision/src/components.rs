@@ -87,12 +87,11 @@ fn first_not<const SAME: u8>(line: &[u8]) -> Option<usize> {
         .position(|chunk| *chunk != [SAME; 16])
         .unwrap_or(chunks.len());
     let from = 16 * skipped;
-    let tail = if skipped < chunks.len() {
-        &chunks[skipped][..]
-    } else {
-        rest
-    };
-    tail.iter().position(|&b| b != SAME).map(|k| from + k)
+    if let Some(chunk) = chunks.get(skipped) {
+        let differing = u128::from_le_bytes(*chunk) ^ u128::from_le_bytes([SAME; 16]);
+        return Some(from + differing.trailing_zeros() as usize / 8);
+    }
+    rest.iter().position(|&b| b != SAME).map(|k| from + k)
 }
 
 /// Calls `found` with each place at which one line of zeros and ones holds 0 and the other one, where there is one,

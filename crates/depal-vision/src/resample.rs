@@ -13,6 +13,8 @@ pub struct ResampledRow {
     expected: Vec<f32>,
     /// Measured minus expected depth; [`NOTHING`] and [`BEYOND`] where there is none.
     deeper: Vec<f32>,
+    /// What each cell is, one bit for each of the following.
+    kind: Vec<u8>,
     /// 1 where it is so, else 0.
     pub on: Vec<u8>,
     pub deep: Vec<u8>,
@@ -42,6 +44,7 @@ impl ResampledRow {
             inside: vec![0; columns],
             expected: vec![0.0; columns],
             deeper: vec![0.0; columns],
+            kind: vec![0; columns],
             on: vec![0; columns],
             deep: vec![0; columns],
             height: vec![0.0; columns],
@@ -97,18 +100,22 @@ impl ResampledRow {
     /// Tells surface, edge and the rest apart. `edge` is set to 1 where the surface ends or is not measured.
     #[inline(always)]
     pub fn classify(&mut self, tolerance: f32, edge: &mut [u8]) {
-        let out = self
-            .on
-            .iter_mut()
-            .zip(&mut self.deep)
-            .zip(edge)
-            .zip(&mut self.height);
-        for (&deeper, (((on, deep), edge), height)) in self.deeper.iter().zip(out) {
+        // All in one byte first: narrowing four-byte numbers to bytes is most of the work.
+        let cells = self.kind.iter_mut().zip(&mut self.height);
+        for (&deeper, (kind, height)) in self.deeper.iter().zip(cells) {
             let surface = deeper.abs() <= tolerance;
-            *on = u8::from(surface);
-            *edge = u8::from(deeper > tolerance);
-            *deep = u8::from((deeper > tolerance) & (deeper < NOTHING));
+            let beyond = deeper > tolerance;
+            let kinds = u32::from(surface)
+                | (u32::from(beyond) << 1)
+                | (u32::from(beyond & (deeper < NOTHING)) << 2);
+            *kind = kinds as u8;
             *height = if surface { -deeper } else { 0.0 };
+        }
+        let out = self.on.iter_mut().zip(&mut self.deep).zip(edge);
+        for (&kind, ((on, deep), edge)) in self.kind.iter().zip(out) {
+            *on = kind & 1;
+            *edge = (kind >> 1) & 1;
+            *deep = kind >> 2;
         }
     }
 
