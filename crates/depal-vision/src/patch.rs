@@ -161,9 +161,7 @@ fn sums_along<T: Copy>(cells: &[u8], before: &[T], totals: &mut [T], put: impl F
     {
         // Byte k of the product is the sum of bytes 0 to k.
         let sums = u64::from_le_bytes(*chunk).wrapping_mul(ONES).to_le_bytes();
-        for ((place, &before), within) in places.iter_mut().zip(earlier).zip(sums) {
-            *place = put(sum + u32::from(within), before);
-        }
+        *places = std::array::from_fn(|k| put(sum + u32::from(sums[k]), earlier[k]));
         sum += u32::from(sums[7]);
     }
     for ((place, &before), &cell) in last.iter_mut().zip(last_earlier).zip(rest) {

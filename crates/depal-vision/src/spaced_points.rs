@@ -30,14 +30,55 @@ impl SpacedPoints {
         }
     }
 
+    /// Depth of a point.
+    #[inline(always)]
+    pub fn depth_at(&self, i: usize) -> f32 {
+        self.depth[0] + self.depth[1] * i as i32 as f32
+    }
+
     /// Column and row, to be cut off, and depth of a point.
     #[inline(always)]
     pub fn at(&self, i: usize) -> (f32, f32, f32) {
+        let z = self.depth_at(i);
         let i = i as i32 as f32;
-        let z = self.depth[0] + self.depth[1] * i;
         let inverse = 1.0 / z;
         let u = (self.column[0] + self.column[1] * i) * inverse;
         let v = (self.row[0] + self.row[1] * i) * inverse;
         (u, v, z)
+    }
+    /// Column and row of the first pixel, where the points `from..from + count` lie on as many pixels of one row of the
+    /// image, one on each, by more than rounding; `None` says nothing.
+    #[inline(always)]
+    pub fn one_on_each(
+        &self,
+        from: usize,
+        count: usize,
+        (width, height): (f32, f32),
+    ) -> Option<(usize, usize)> {
+        /// What six roundings of numbers as large as the image can do, and more.
+        const ROUNDING: f32 = 16.0 * f32::EPSILON;
+        let [first, last] = [self.at(from), self.at(from + count - 1)];
+        let steps = (count - 1) as i32 as f32;
+        let nearest = first.2.min(last.2);
+        // How far the points can lie from evenly spaced ones between the two: an eighth of the second
+        // derivative, of a column or row as numerator over depth, times the square of the length.
+        let grows = (self.depth[1] * steps / nearest).abs();
+        let (along, across) = (last.0 - first.0, last.1 - first.1);
+        let bent = 0.5 * grows * (along.abs() + across.abs());
+        let margin = ROUNDING * width.max(height) + bent;
+        let (column, row) = (first.0.floor(), first.1.floor());
+        // Each point's place within the pixel on which it should lie.
+        let [u, v] = [first.0 - column, first.1 - row];
+        let [drift, fall] = [along - steps, across];
+        let fits = |at: f32| at >= margin && at <= 1.0 - margin;
+        // Also refuses NaN.
+        let is_so = nearest > 0.0
+            && grows < 0.1
+            && [u, u + drift, v, v + fall].into_iter().all(fits)
+            && column >= 0.0
+            && row >= 0.0
+            && column + steps < width
+            && row < height;
+        is_so.then_some((column as usize, row as usize))
     }
 }
