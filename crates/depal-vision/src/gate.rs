@@ -2,7 +2,10 @@
 
 use depal_frames::{DepthFrame, Intrinsics, Point};
 
-use crate::{RegionOfInterest, VisionSettings, average::averaged, scratch::Kept, smear::sharpened};
+use crate::{
+    RegionOfInterest, VisionSettings, average::averaged, scratch::Kept, smear::sharpened,
+    widest::with_widest_vectors,
+};
 
 /// Depths beyond this are no measurement of any depth camera for cartons.
 pub(crate) const LARGEST_DEPTH: f32 = 60.0;
@@ -49,7 +52,7 @@ pub fn gate<'a>(
     let far = (settings.max_depth as f32).min(LARGEST_DEPTH);
     let mut in_region = Kept::of_any(pixels, 0u8);
     let mut odd = 0u32;
-    pulp::Arch::new().dispatch(|| {
+    with_widest_vectors(|| {
         let rows = frame.depth.chunks_exact(width);
         for (row, inside) in rows.zip(in_region.chunks_exact_mut(width)) {
             for (&z, inside) in row.iter().zip(inside) {

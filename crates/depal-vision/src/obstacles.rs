@@ -3,7 +3,7 @@
 use depal_frames::{Intrinsics, Point, Vector};
 use nalgebra::Matrix3;
 
-use crate::{DetectedBox, gate::DepthImage, scratch::Kept};
+use crate::{DetectedBox, gate::DepthImage, scratch::Kept, widest::with_widest_vectors};
 
 /// Points this close to a reported carton belong to it, metres.
 const SLACK: f64 = 0.012;
@@ -39,8 +39,6 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
         .floor()
         .clamp(1.0, 8.0) as usize;
     let (per_metre, per_column) = (1.0 / voxel, 1.0 / k.fx);
-    // Shifted to the positive before the cut, which then is floor.
-    let cube_of = |c: f64| (c * per_metre + SHIFT).clamp(0.0, 2.0 * SHIFT - 1.0) as u32;
     // Cube and how many neighbouring samples fell into it in a row.
     let mut cubes: Kept<(u64, u32)> = Kept::with_capacity(1 << 16);
     let mut row = Row::new(
@@ -70,16 +68,18 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
                     samples.clamp(0.0, row.x.len() as f64) as usize
                 };
                 let (first, end) = (from(solid.columns[0]), from(solid.columns[1] + 1.0));
-                pulp::Arch::new().dispatch(
+                with_widest_vectors(
                     #[inline(always)]
                     || row.explain(first..end.max(first), y, solid),
                 );
             }
         }
-        for ((&x, &z), &open) in row.x.iter().zip(&row.z).zip(&row.open) {
+        with_widest_vectors(
+            #[inline(always)]
+            || row.place(y, per_metre),
+        );
+        for (&cube, &open) in row.cube.iter().zip(&row.open) {
             if open == 1 {
-                let [x, y, z] = [x * z, y * z, z].map(|c| u64::from(cube_of(c)));
-                let cube = (z << (2 * BITS)) | (y << BITS) | x;
                 match cubes.last_mut() {
                     Some((last, count)) if *last == cube => *count += 1,
                     _ => cubes.push((cube, 1)),
@@ -102,6 +102,17 @@ struct Row {
     z: Vec<f64>,
     /// 1 where it is in the region and not explained.
     open: Vec<u8>,
+    /// The cube that it lies in.
+    cube: Vec<u64>,
+}
+
+/// Floor of a number of 0..2^51, by pushing its fraction out of the mantissa: casts are made one by one.
+#[inline(always)]
+fn whole(x: f64) -> u64 {
+    const SHIFT: f64 = 4_503_599_627_370_496.0; // 2^52
+    let rounded = x + SHIFT;
+    let bits = rounded.to_bits() & ((1 << 52) - 1);
+    bits - u64::from(rounded - SHIFT > x)
 }
 
 impl Row {
@@ -109,7 +120,19 @@ impl Row {
         Self {
             z: vec![0.0; x.len()],
             open: vec![0; x.len()],
+            cube: vec![0; x.len()],
             x,
+        }
+    }
+
+    /// Says in which cube each sample lies; `y` of the rays with Z = 1.
+    #[inline(always)]
+    fn place(&mut self, y: f64, per_metre: f64) {
+        // Shifted to the positive before the cut, which then is floor.
+        let cube_of = |c: f64| whole((c * per_metre + SHIFT).clamp(0.0, 2.0 * SHIFT - 1.0));
+        for (cube, (&x, &z)) in self.cube.iter_mut().zip(self.x.iter().zip(&self.z)) {
+            let [x, y, z] = [x * z, y * z, z].map(cube_of);
+            *cube = (z << (2 * BITS)) | (y << BITS) | x;
         }
     }
 

@@ -4,6 +4,7 @@ use crate::{
     components::{Component, each_zero},
     gate::DepthImage,
     plane::PlaneFrame,
+    widest::with_widest_vectors,
 };
 
 /// Enough outline points for a sharp profile.
@@ -92,7 +93,7 @@ fn best(outline: &[(f32, f32)], bin: f64, middle: f64, step: f64, reach: i32) ->
         let (s, c) = ((yaw.sin() / bin) as f32, (yaw.cos() / bin) as f32);
         bins.fill(0);
         // First where, then what: the processor does several of the former at once.
-        pulp::Arch::new().dispatch(
+        with_widest_vectors(
             #[inline(always)]
             || {
                 for (&(x, y), place) in outline.iter().zip(&mut places) {

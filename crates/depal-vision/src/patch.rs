@@ -4,8 +4,14 @@
 use depal_frames::Intrinsics;
 
 use crate::{
-    blank::Blank, gate::DepthImage, plane::PlaneFrame, resample::ResampledRow, scratch::Kept,
+    blank::Blank,
+    edge_sums::{AROUND, EdgeSums, FULL, row_and_next, sums_along},
+    gate::DepthImage,
+    plane::PlaneFrame,
+    resample::ResampledRow,
+    scratch::Kept,
     search::left_out,
+    widest::with_widest_vectors,
 };
 
 /// Side of a block whose heights are averaged, cells.
@@ -59,122 +65,6 @@ pub struct Grid {
     pub soft_px: usize,
     /// It was averaged.
     pub averaged: bool,
-}
-
-/// Weight of an edge cell that lies exactly on the line; one cell beside it counts 3, two count 1.
-const FULL: u16 = 4;
-
-/// Weight of five cells across a line, the middle one on it.
-#[inline(always)]
-fn weight(cells: [u8; 5]) -> u8 {
-    let full = cells[2] * FULL as u8;
-    let near = (cells[1] | cells[3]) * 3;
-    full.max(near).max(cells[0] | cells[4])
-}
-
-/// Weights of a line of cells; five rows of edge cells lie across it.
-#[inline(always)]
-fn weigh(edge: [&[u8]; 5], weights: &mut [u8]) {
-    let count = weights.len();
-    let edge = edge.map(|row| &row[..count]);
-    for (i, w) in weights.iter_mut().enumerate() {
-        *w = weight([edge[0][i], edge[1][i], edge[2][i], edge[3][i], edge[4][i]]);
-    }
-}
-
-/// Cells on both sides of a line that count as edge on it.
-const AROUND: usize = 2;
-
-/// The sums over edge cells, row after row.
-struct EdgeSums {
-    columns: usize,
-    /// The last five rows of edge cells, in turn, each with a margin at both ends.
-    last: [Vec<u8>; 2 * AROUND + 1],
-    weights: Vec<u8>,
-    nothing: Vec<u16>,
-    vertical: Kept<u16>,
-    horizontal: Kept<u16>,
-}
-
-impl EdgeSums {
-    #[inline(always)]
-    fn new(columns: usize, rows: usize) -> Self {
-        // All but the first row and column is written by and by.
-        let mut vertical = Kept::of_any(columns * (rows + 1), 0);
-        vertical[..columns].fill(0);
-        Self {
-            columns,
-            last: std::array::from_fn(|_| vec![0; columns + 2 * AROUND]),
-            weights: vec![0; columns],
-            nothing: vec![0; columns],
-            vertical,
-            horizontal: Kept::of_any((columns + 1) * rows, 0),
-        }
-    }
-
-    /// Where the edge cells of row `j` are put, after those of all rows before.
-    #[inline(always)]
-    fn row(&mut self, j: usize) -> &mut [u8] {
-        let place = j % self.last.len();
-        &mut self.last[place][AROUND..AROUND + self.columns]
-    }
-
-    /// Sums up row `j`, once the two rows behind it are put.
-    #[inline(always)]
-    fn sum(&mut self, j: usize) {
-        let columns = self.columns;
-        let here = &self.last[j % self.last.len()];
-        let across: [&[u8]; 5] = std::array::from_fn(|k| &here[k..k + columns]);
-        weigh(across, &mut self.weights);
-        let (before, next) = row_and_next(&mut self.vertical, j, columns);
-        for ((sum, &before), &w) in next.iter_mut().zip(before).zip(&self.weights) {
-            *sum = before.wrapping_add(u16::from(w));
-        }
-        // From two rows before to two behind.
-        let around: [&[u8]; 5] = std::array::from_fn(|k| {
-            let row = &self.last[(j + k + 1 + AROUND) % self.last.len()];
-            &row[AROUND..AROUND + columns]
-        });
-        weigh(around, &mut self.weights);
-        let row = &mut self.horizontal[j * (columns + 1)..(j + 1) * (columns + 1)];
-        row[0] = 0;
-        // The rows are summed up each by itself: of the one before nothing is needed.
-        sums_along(&self.weights, &self.nothing, &mut row[1..], |sum, _| {
-            sum as u16
-        });
-    }
-}
-
-/// Puts to each place what `put` makes of the sum of the cells up to there and of what stands there in the row before.
-/// Cells are at most 31, so that eight of them, summed up by one multiplication, stay below 256.
-#[inline(always)]
-fn sums_along<T: Copy>(cells: &[u8], before: &[T], totals: &mut [T], put: impl Fn(u32, T) -> T) {
-    const ONES: u64 = 0x0101_0101_0101_0101;
-    let (chunks, rest) = cells.as_chunks::<8>();
-    let (places, last) = totals.split_at_mut(8 * chunks.len());
-    let (earlier, last_earlier) = before.split_at(8 * chunks.len());
-    let mut sum = 0u32;
-    for ((chunk, places), earlier) in chunks
-        .iter()
-        .zip(places.as_chunks_mut::<8>().0)
-        .zip(earlier.as_chunks::<8>().0)
-    {
-        // Byte k of the product is the sum of bytes 0 to k.
-        let sums = u64::from_le_bytes(*chunk).wrapping_mul(ONES).to_le_bytes();
-        *places = std::array::from_fn(|k| put(sum + u32::from(sums[k]), earlier[k]));
-        sum += u32::from(sums[7]);
-    }
-    for ((place, &before), &cell) in last.iter_mut().zip(last_earlier).zip(rest) {
-        sum += u32::from(cell);
-        *place = put(sum, before);
-    }
-}
-
-/// Row `j` of a list of rows, and the one after it to be written.
-#[inline(always)]
-fn row_and_next<T>(rows: &mut [T], j: usize, width: usize) -> (&[T], &mut [T]) {
-    let (before, next) = rows[j * width..(j + 2) * width].split_at_mut(width);
-    (before, next)
 }
 
 /// Side of the square on the plane that one pixel sees.
@@ -359,7 +249,7 @@ impl Patch {
     /// For rectangles of `cells` whose first row is `j` and whose first column is the place in the list:
     /// how many of their four sides show at least `share` of edge.
     pub fn seen_sides(&self, j: usize, cells: [usize; 2], share: f64, seen: &mut Vec<u8>) {
-        pulp::Arch::new().dispatch(
+        with_widest_vectors(
             #[inline(always)]
             || self.count_seen_sides(j, cells, share, seen),
         );
@@ -375,27 +265,41 @@ impl Patch {
         let places = self.columns - a + 1;
         seen.resize(places, 0);
         let least = |length: usize| (share * f64::from(FULL) * length as f64).ceil() as u16;
-        // Upright sides: all columns between two rows; the outer ones lie beyond the patch at its ends.
-        let (low, high) = (j + left_out(b), j + b - left_out(b));
-        let enough = least(high - low);
-        let row = |j: usize| &self.vertical[j * self.columns..(j + 1) * self.columns];
-        let (below, above) = (row(low), row(high));
-        let shows = |i: usize| u8::from(above[i].wrapping_sub(below[i]) >= enough);
-        for (i, seen) in seen[1..].iter_mut().enumerate() {
-            *seen = shows(i);
+        let shows =
+            |sums: [u16; 2], enough: u16| u16::from(sums[1].wrapping_sub(sums[0]) >= enough.max(1));
+        // Upright sides: all columns between two rows.
+        let rows = [j + left_out(b), j + b - left_out(b)];
+        let upright = least(rows[1] - rows[0]);
+        let sums = rows.map(|j| &self.vertical[j * self.columns..(j + 1) * self.columns]);
+        // Those along a row; beyond the patch there is none.
+        let along = least(a - 2 * left_out(a));
+        let lines = [j.checked_sub(1), (j + b < self.rows).then_some(j + b)].map(|line| {
+            let (row, cut) = line.map_or((0, [0, 0]), |row| (row, [left_out(a), a - left_out(a)]));
+            let row = &self.horizontal[row * (self.columns + 1)..(row + 1) * (self.columns + 1)];
+            cut.map(|cut| &row[cut..][..places])
+        });
+        let of_lines = |i: usize| {
+            shows(lines[0].map(|sums| sums[i]), along) + shows(lines[1].map(|sums| sums[i]), along)
+        };
+        let of_column = |i: usize| shows(sums.map(|sums| sums[i]), upright);
+        let last = places - 1;
+        if last == 0 {
+            seen[0] = of_lines(0) as u8;
+            return;
         }
-        for (i, seen) in seen[..places - 1].iter_mut().enumerate() {
-            *seen += shows(i + a);
-        }
-        let enough = least(a - 2 * left_out(a));
-        for line in [j.checked_sub(1), (j + b < self.rows).then_some(j + b)] {
-            let Some(line) = line else { continue };
-            let line = &self.horizontal[line * (self.columns + 1)..(line + 1) * (self.columns + 1)];
-            let starts = &line[left_out(a)..][..places];
-            let ends = &line[a - left_out(a)..][..places];
-            for (seen, (start, end)) in seen.iter_mut().zip(starts.iter().zip(ends)) {
-                *seen += u8::from(end.wrapping_sub(*start) >= enough);
-            }
+        // The outer ones lie beyond the patch at its ends.
+        seen[0] = (of_column(a) + of_lines(0)) as u8;
+        seen[last] = (of_column(last - 1) + of_lines(last)) as u8;
+        let inner = last - 1;
+        let left = sums.map(|sums| &sums[..inner]);
+        let right = sums.map(|sums| &sums[a + 1..][..inner]);
+        let [below, above] = lines.map(|line| line.map(|sums| &sums[1..=inner]));
+        for (k, seen) in seen[1..last].iter_mut().enumerate() {
+            let sides = shows([left[0][k], left[1][k]], upright)
+                + shows([right[0][k], right[1][k]], upright)
+                + shows([below[0][k], below[1][k]], along)
+                + shows([above[0][k], above[1][k]], along);
+            *seen = sides as u8;
         }
     }
 

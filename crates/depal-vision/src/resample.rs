@@ -13,7 +13,7 @@ pub struct ResampledRow {
     /// Measured minus expected depth; [`NOTHING`] and [`BEYOND`] where there is none.
     deeper: Vec<f32>,
     /// What each cell is, one bit for each of the following.
-    kind: Vec<u8>,
+    kind: Vec<u32>,
     /// 1 where it is so, else 0.
     pub on: Vec<u8>,
     pub deep: Vec<u8>,
@@ -111,7 +111,7 @@ impl ResampledRow {
     /// Tells surface, edge and the rest apart. `edge` is set to 1 where the surface ends or is not measured.
     #[inline(always)]
     pub fn classify(&mut self, tolerance: f32, edge: &mut [u8]) {
-        // All in one byte first: narrowing four-byte numbers to bytes is most of the work.
+        // All in one number first: narrowing numbers to bytes is most of the work.
         let cells = self.kind.iter_mut().zip(&mut self.height);
         for (&deeper, (kind, height)) in self.deeper.iter().zip(cells) {
             let surface = deeper.abs() <= tolerance;
@@ -119,11 +119,12 @@ impl ResampledRow {
             let kinds = u32::from(surface)
                 | (u32::from(beyond) << 1)
                 | (u32::from(beyond & (deeper < NOTHING)) << 2);
-            *kind = kinds as u8;
+            *kind = kinds;
             *height = if surface { -deeper } else { 0.0 };
         }
         let out = self.on.iter_mut().zip(&mut self.deep).zip(edge);
         for (&kind, ((on, deep), edge)) in self.kind.iter().zip(out) {
+            let kind = kind as u8;
             *on = kind & 1;
             *edge = (kind >> 1) & 1;
             *deep = kind >> 2;
@@ -131,6 +132,7 @@ impl ResampledRow {
     }
 
     /// 1 where something nearer hides the plane, or nothing was measured.
+    #[inline(always)]
     pub fn unknown(&self, tolerance: f32) -> impl Iterator<Item = u8> {
         self.deeper.iter().map(move |&deeper| {
             u8::from((deeper == NOTHING) | ((deeper < -tolerance) & (deeper != BEYOND)))

@@ -109,7 +109,6 @@ pub fn measure(
     if i1 > patch.columns || j1 > patch.rows {
         return None;
     }
-    let sides = [0, 1, 2, 3].map(|side| side_edge(patch, first, cells, side, 0));
     let rim = patch.rim as isize;
     let (left, right) = (i0 as isize + rim, i1 as isize - rim);
     let (low, high) = (j0 as isize + rim, j1 as isize - rim);
@@ -131,6 +130,7 @@ pub fn measure(
         patch.surface(left, low, right, low + 2),
         patch.surface(left, high - 2, right, high),
     ];
+    let sides = [0, 1, 2, 3].map(|side| side_edge(patch, first, cells, side, 0));
     let score = sides.iter().zip(inner).map(|(e, s)| e * s).sum::<f64>() + 0.1 * on;
     Some(Candidate {
         label,
