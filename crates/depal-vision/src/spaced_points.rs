@@ -82,3 +82,62 @@ impl SpacedPoints {
         is_so.then_some((column as usize, row as usize))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of -1..1 that look random.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state = 20u64;
+        move || {
+            state = state
+                .wrapping_mul(0x5851_F42D_4C95_7F2D)
+                .wrapping_add(0x1405_7B7E_F767_814F);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    #[test]
+    fn points_said_to_lie_one_on_each_pixel_do() {
+        const COUNT: usize = 64;
+        let lens = Intrinsics {
+            width: 1280,
+            height: 1024,
+            fx: 1216.0,
+            fy: 1200.0,
+            cx: 640.3,
+            cy: 511.2,
+        };
+        let size = (lens.width as f32, lens.height as f32);
+        let mut next = numbers();
+        let (mut said, mut level) = (0, 0);
+        for n in 0..4000 {
+            let z = 2.0 + 0.8 * next();
+            let first = Point::new(z * 0.6 * next(), z * 0.5 * next(), z);
+            // From nearly along the rows to far from it, from level to steep.
+            let [turn, tilt] = [0.02 * next().powi(3), if n % 2 == 0 { 0.0 } else { next() }];
+            let pitch = z / lens.fx * (1.0 + 0.003 * next());
+            let step = Vector::new(1.0, turn, tilt) * pitch;
+            let points = SpacedPoints::new(&lens, first, step);
+            for count in [COUNT, 7, 1] {
+                let Some((column, row)) = points.one_on_each(3, count, size) else {
+                    continue;
+                };
+                said += usize::from(count == COUNT);
+                level += usize::from(count == COUNT && n % 2 == 0);
+                for k in 0..count {
+                    let (u, v, _) = points.at(3 + k);
+                    assert_eq!(
+                        (u as usize, v as usize),
+                        (column + k, row),
+                        "line {n}, point {k}"
+                    );
+                    assert!(column + k < lens.width && row < lens.height);
+                }
+            }
+        }
+        // It is worth asking: many that lie level are, and of those that do not at least some.
+        assert!(level > 600 && said > level, "{said}, {level} of them level");
+    }
+}
