@@ -4,9 +4,10 @@ use depal_frames::{BoxSize, DepthFrame, Point};
 
 use crate::{
     DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
+    between_ends::place_between_ends,
     components::{Component, components},
+    fold::place_by_folds,
     gate::{DepthImage, gate},
-    inset::place_by_insets,
     neighbours::neighbours,
     obstacles::obstacle_points,
     steps::surface_mask,
@@ -217,9 +218,10 @@ fn find_boxes(
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
-    place_by_insets(&mut found, image, settings);
+    place_between_ends(&mut found, image, settings);
     found.extend(covered);
     keep_best(found, settings, detection);
+    place_by_folds(&mut detection.boxes, image, settings);
     turn_together(&mut detection.boxes, &image.intrinsics);
 }
 
