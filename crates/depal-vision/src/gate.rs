@@ -216,7 +216,10 @@ impl DepthImage<'_> {
         for v in low..high {
             let row = &self.depth[v * w + left..v * w + right];
             found.clear();
-            zeros(row, &mut found);
+            with_widest_vectors(
+                #[inline(always)]
+                || zeros(row, &mut found),
+            );
             for k in &found {
                 let i = v * w + left + k;
                 // Along a line of holes, or among them.
@@ -250,6 +253,7 @@ impl DepthImage<'_> {
 }
 
 /// Places of the zeros in a row, sixteen at a time: they are rare.
+#[inline(always)]
 fn zeros(row: &[f32], found: &mut Vec<usize>) {
     let (chunks, rest) = row.as_chunks::<16>();
     for (n, chunk) in chunks.iter().enumerate() {

@@ -4,6 +4,7 @@ use crate::{
     components::{Component, each_zero},
     gate::DepthImage,
     plane::PlaneFrame,
+    resample::int,
     widest::with_widest_vectors,
 };
 
@@ -86,7 +87,7 @@ fn best(outline: &[(f32, f32)], bin: f64, middle: f64, step: f64, reach: i32) ->
     let mut bins = vec![0u16; 4 * half];
     let mut places = vec![[0u32; 2]; outline.len()];
     let (first, second) = (half as f32, 3.0 * half as f32);
-    let last = (4 * half - 1) as u32;
+    let last = (4 * half - 1) as f32;
     let mut winner = (0u64, middle);
     for k in -reach..=reach {
         let yaw = middle + f64::from(k) * step;
@@ -98,9 +99,9 @@ fn best(outline: &[(f32, f32)], bin: f64, middle: f64, step: f64, reach: i32) ->
             || {
                 for (&(x, y), place) in outline.iter().zip(&mut places) {
                     // Shifted to the positive, where cutting off is floor.
-                    let along = (x * c + y * s + first) as i32 as u32;
-                    let across = (y * c - x * s + second) as i32 as u32;
-                    *place = [along.min(last), across.min(last)];
+                    let along = x * c + y * s + first;
+                    let across = y * c - x * s + second;
+                    *place = [along, across].map(|at| int(at.max(0.0).min(last)) as u32);
                 }
             },
         );

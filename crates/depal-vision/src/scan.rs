@@ -99,7 +99,6 @@ fn scan_lines(
     let (half, length) = (extents[axis] / 2.0, extents[1 - axis] * 0.94);
     let lines = (length / stride).floor().max(1.0) as usize;
     let mut crossings = Vec::with_capacity(lines);
-    let (width, height) = (image.width as f32, image.height as f32);
     let tolerance = tolerance as f32;
     for line in 0..lines {
         let along = (line as f64 + 0.5) / lines as f64 * length - length / 2.0;
@@ -112,22 +111,18 @@ fn scan_lines(
         let (du, dv) = (((u1 - u0) * per) as f32, ((v1 - v0) * per) as f32);
         let dz = ((ends[1].z - ends[0].z) * per) as f32;
         // Half a pixel added: cutting off rounds to the nearest.
-        let (u0, v0, z0) = ((u0 + 0.5) as f32, (v0 + 0.5) as f32, ends[0].z as f32);
+        let places = Places {
+            first: [(u0 + 0.5) as f32, (v0 + 0.5) as f32, ends[0].z as f32],
+            step: [du, dv, dz],
+        };
         let mut last: Option<i32> = None;
-        'line: for from in (0..=count as i32).step_by(TOGETHER) {
-            let mut pixels = [OUTSIDE; TOGETHER];
-            let mut expected = [0.0f32; TOGETHER];
-            for (k, (pixel, expected)) in (0..).zip(pixels.iter_mut().zip(&mut expected)) {
-                let s = (from + k) as f32;
-                let (u, v) = (u0 + du * s, v0 + dv * s);
-                // False of NaN, too.
-                let inside = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
-                let (u, v) = if inside { (u, v) } else { (0.0, 0.0) };
-                let place = int(v) * image.width as i32 + int(u);
-                *pixel = if inside { place } else { OUTSIDE };
-                *expected = z0 + dz * s;
-            }
-            for ((step, &pixel), &expected) in (from..=count as i32).zip(&pixels).zip(&expected) {
+        let mut from = 0;
+        'line: while from <= count as i32 {
+            let (pixels, expected) = places.together(from, image);
+            let together = TOGETHER.min((count as i32 + 1 - from) as usize);
+            for (n, (&pixel, &expected)) in pixels.iter().zip(&expected).enumerate().take(together)
+            {
+                let step = from + n as i32;
                 if pixel == OUTSIDE {
                     break 'line;
                 }
@@ -142,7 +137,7 @@ fn scan_lines(
                     // Half way between the centres of the last surface pixel and this one.
                     // Lone pixels are lost at any step: what counts is the first one that was measured.
                     let (shadowed, lit) = if z == 0.0 {
-                        match first_measured(image, (u0, v0, z0), (du, dv, dz), step + 1) {
+                        match places.first_measured(image, step + 1) {
                             Some((at, z, expected)) => (
                                 z < expected - tolerance.max(TALLER),
                                 at < step + LIT_WITHIN && z > expected + tolerance,
@@ -153,11 +148,11 @@ fn scan_lines(
                         // Not on the surface, and not above it.
                         (false, true)
                     };
-                    let middle = |start: f32, per: f32| {
-                        let [inner, outer] = [inner, step].map(|s| (start + per * s as f32) as i32);
+                    let middle = |axis: usize| {
+                        let [inner, outer] = [inner, step].map(|s| places.at(axis, s) as i32);
                         f64::from(inner + outer) / 2.0
                     };
-                    let ray = k.ray(middle(u0, du), middle(v0, dv));
+                    let ray = k.ray(middle(0), middle(1));
                     let at = frame.plane.meet(&ray) - frame.origin;
                     crossings.push(Crossing {
                         along: at.dot(&tangent),
@@ -168,31 +163,61 @@ fn scan_lines(
                 }
                 break 'line;
             }
+            from += TOGETHER as i32;
         }
     }
     ScanLines::new(crossings, lines, least_seen)
 }
 
-/// Of the pixels `from + s step` (column, row, expected depth) the first from `s` on that was measured, if one is no
-/// farther than the longest shadow: (`s`, depth, expected depth).
-fn first_measured(
-    image: &DepthImage,
-    from: (f32, f32, f32),
-    step: (f32, f32, f32),
-    s: i32,
-) -> Option<(i32, f32, f32)> {
-    let (width, height) = (image.width as f32, image.height as f32);
-    for s in s..s + LONGEST_SHADOW {
-        let n = s as f32;
-        let (u, v) = (from.0 + step.0 * n, from.1 + step.1 * n);
-        let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
-        if !inside {
-            return None;
-        }
-        let z = image.depth[v as i32 as usize * image.width + u as i32 as usize];
-        if z != 0.0 {
-            return Some((s, z, from.2 + step.2 * n));
-        }
+/// Evenly spaced places in the image along a line: column and row, to be cut off, and the depth expected there.
+struct Places {
+    first: [f32; 3],
+    step: [f32; 3],
+}
+
+impl Places {
+    #[inline(always)]
+    fn at(&self, k: usize, s: i32) -> f32 {
+        self.first[k] + self.step[k] * s as f32
     }
-    None
+
+    /// The pixels, [`OUTSIDE`] beyond the image, and the expected depths of some places from number `from` on.
+    #[inline(always)]
+    fn together(&self, from: i32, image: &DepthImage) -> ([i32; TOGETHER], [f32; TOGETHER]) {
+        let (width, height) = (image.width as f32, image.height as f32);
+        let stride = image.width as i32;
+        let mut pixels = [OUTSIDE; TOGETHER];
+        let mut expected = [0.0f32; TOGETHER];
+        for (k, (pixel, expected)) in pixels.iter_mut().zip(&mut expected).enumerate() {
+            let s = from + k as i32;
+            let (u, v) = (self.at(0, s), self.at(1, s));
+            // False of NaN, too.
+            let inside = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
+            let (u, v) = if inside { (u, v) } else { (0.0, 0.0) };
+            let place = int(v) * stride + int(u);
+            *pixel = if inside { place } else { OUTSIDE };
+            *expected = self.at(2, s);
+        }
+        (pixels, expected)
+    }
+
+    /// The first place from `s` on where something was measured, if one is no farther than the longest shadow: its
+    /// number, the depth and the expected depth.
+    #[inline(always)]
+    fn first_measured(&self, image: &DepthImage, s: i32) -> Option<(i32, f32, f32)> {
+        let end = s + LONGEST_SHADOW;
+        for from in (s..end).step_by(TOGETHER) {
+            let (pixels, expected) = self.together(from, image);
+            for (k, (&pixel, &expected)) in pixels.iter().zip(&expected).enumerate() {
+                if pixel == OUTSIDE || from + k as i32 == end {
+                    return None;
+                }
+                let z = image.depth[pixel as usize];
+                if z != 0.0 {
+                    return Some((from + k as i32, z, expected));
+                }
+            }
+        }
+        None
+    }
 }
