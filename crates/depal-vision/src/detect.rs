@@ -14,7 +14,7 @@ use crate::{
     obstacles::obstacle_points,
     steps::surface_mask,
     support::believed,
-    surface::Surface,
+    surface::{Surface, least_pixels},
     turn_together::turn_together,
 };
 
@@ -87,9 +87,15 @@ pub fn detect_any_size(frame: &DepthFrame, settings: &VisionSettings) -> Detecti
     if image.points_in_region == 0 {
         return detection;
     }
-    let mask = surface_mask(&image, &image.lone_holes(), settings.step);
+    let mask = surface_mask(
+        &image,
+        &image.lone_holes(),
+        settings.step,
+        settings.step_noise,
+    );
+    let least = least_pixels(&image, settings, SMALLEST_MEASURED);
     let (mut measured, mut whole, mut open) = (Vec::new(), Vec::new(), Vec::new());
-    for component in components(&mask, image.width) {
+    for component in components(&mask, image.width, least) {
         match Surface::new(component, &image, settings, SMALLEST_MEASURED) {
             Ok(mut surface) => match surface.measure(&mask, &image, settings) {
                 Ok(top) => {
@@ -132,7 +138,12 @@ fn find_boxes(
     entered: &mut dyn FnMut(Stage),
 ) {
     entered(Stage::Pieces);
-    let mask = surface_mask(image, &image.lone_holes(), settings.step);
+    let mask = surface_mask(
+        image,
+        &image.lone_holes(),
+        settings.step,
+        settings.step_noise,
+    );
     let smallest = settings
         .sizes
         .iter()
@@ -141,7 +152,8 @@ fn find_boxes(
         .fold(f64::MAX, f64::min);
     let mut found: Vec<DetectedBox> = Vec::new();
     let mut surfaces: Vec<Surface> = Vec::new();
-    for component in components(&mask, image.width) {
+    let least = least_pixels(image, settings, smallest);
+    for component in components(&mask, image.width, least) {
         match Surface::new(component, image, settings, smallest) {
             Ok(surface) => surfaces.push(surface),
             Err(rejected) => detection.rejected.extend(rejected),

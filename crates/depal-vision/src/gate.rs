@@ -4,11 +4,11 @@ use depal_frames::{DepthFrame, Intrinsics, Point};
 
 use crate::{
     RegionOfInterest, VisionSettings, average::averaged, lost::mended, outliers::without_outliers,
-    smear::sharpened,
+    scratch::Kept, smear::sharpened, widest::with_widest_vectors,
 };
 
 /// Depths beyond this are no measurement of any depth camera for cartons.
-const LARGEST_DEPTH: f32 = 60.0;
+pub(crate) const LARGEST_DEPTH: f32 = 60.0;
 
 /// Steps narrower than this are left as they are, pixels.
 pub(crate) const LEAST_SMEAR: usize = 5;
@@ -27,7 +27,7 @@ pub struct DepthImage<'a> {
     /// Grey values; empty without an intensity image of the same size.
     pub intensity: &'a [u8],
     /// 1 where the pixel is valid, in the depth range and in the region.
-    pub in_region: Vec<u8>,
+    pub in_region: Kept<u8>,
     pub window: Window,
     pub points_in_region: usize,
 }
@@ -54,9 +54,9 @@ pub fn gate<'a>(
     }
     let near = settings.min_depth.max(1e-3) as f32;
     let far = (settings.max_depth as f32).min(LARGEST_DEPTH);
-    let mut in_region = vec![0u8; pixels];
+    let mut in_region = Kept::of_any(pixels, 0u8);
     let mut odd = 0u32;
-    pulp::Arch::new().dispatch(|| {
+    with_widest_vectors(|| {
         let rows = frame.depth.chunks_exact(width);
         for (row, inside) in rows.zip(in_region.chunks_exact_mut(width)) {
             for (&z, inside) in row.iter().zip(inside) {
@@ -243,9 +243,16 @@ impl DepthImage<'_> {
         for v in low..high {
             let row = &self.depth[v * w + left..v * w + right];
             found.clear();
-            zeros(row, &mut found);
+            with_widest_vectors(
+                #[inline(always)]
+                || zeros(row, &mut found),
+            );
             for k in &found {
                 let i = v * w + left + k;
+                // Along a line of holes, or among them.
+                if self.in_region[i - 1] + self.in_region[i + 1] == 0 {
+                    continue;
+                }
                 let around = [i - w - 1, i - 1, i + w - 1];
                 // The hole itself is not in the region.
                 let count = around.map(|j| {
@@ -273,6 +280,7 @@ impl DepthImage<'_> {
 }
 
 /// Places of the zeros in a row, sixteen at a time: they are rare.
+#[inline(always)]
 fn zeros(row: &[f32], found: &mut Vec<usize>) {
     let (chunks, rest) = row.as_chunks::<16>();
     for (n, chunk) in chunks.iter().enumerate() {

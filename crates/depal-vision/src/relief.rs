@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::{
     patch::{BLOCK, Patch},
+    scratch::Kept,
     search::Candidate,
 };
 
@@ -19,7 +20,7 @@ pub struct Relief {
     /// `None` where little of the block is surface.
     heights: Vec<Option<f32>>,
     /// Sums over all blocks below and left.
-    sums: Vec<Sums>,
+    sums: Kept<Sums>,
 }
 
 /// How badly one plane explains the heights of some blocks.
@@ -35,7 +36,7 @@ impl Relief {
     pub fn new(patch: &Patch) -> Self {
         let (columns, rows) = (patch.columns / BLOCK, patch.rows / BLOCK);
         let heights = heights_of(patch);
-        let mut sums = vec![[0.0; 10]; (columns + 1) * (rows + 1)];
+        let mut sums = Kept::of((columns + 1) * (rows + 1), [0.0; 10]);
         for j in 0..rows {
             let mut row = [0.0; 10];
             for i in 0..columns {

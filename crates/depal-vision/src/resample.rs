@@ -1,18 +1,19 @@
 //! Stage 6a: the image along one row of cells on a plane.
 
+use std::ops::Range;
+
 use depal_frames::{Point, Vector};
 
 use crate::{gate::DepthImage, spaced_points::SpacedPoints};
 
 /// One row of cells: where they lie in the image, then what is there.
 pub struct ResampledRow {
-    /// Index of the nearest pixel; 0 where there is none.
+    /// Index of the nearest pixel; [`OUTSIDE`] where there is none.
     pixel: Vec<i32>,
-    /// 1 where the cell lies in the image.
-    inside: Vec<u32>,
-    expected: Vec<f32>,
     /// Measured minus expected depth; [`NOTHING`] and [`BEYOND`] where there is none.
     deeper: Vec<f32>,
+    /// What each cell is, one bit for each of the following.
+    kind: Vec<u32>,
     /// 1 where it is so, else 0.
     pub on: Vec<u8>,
     pub deep: Vec<u8>,
@@ -24,6 +25,17 @@ pub struct ResampledRow {
 const NOTHING: f32 = 1e6;
 /// Stands for the depth beyond the image; nearer than any plane.
 const BEYOND: f32 = -1e6;
+
+/// Stands for the pixel of a cell beyond the image.
+const OUTSIDE: i32 = -1;
+/// So many cells are looked up together where they lie along a row of pixels, one on each.
+const RUN: usize = 64;
+
+/// How much deeper a measured depth is than expected.
+#[inline(always)]
+fn beyond(z: f32, expected: f32) -> f32 {
+    if z == 0.0 { NOTHING } else { z - expected }
+}
 
 /// Floor of a number of 0..2^22, by pushing its fraction out of the mantissa: a plain cast is checked
 /// number by number.
@@ -39,9 +51,8 @@ impl ResampledRow {
     pub fn new(columns: usize) -> Self {
         Self {
             pixel: vec![0; columns],
-            inside: vec![0; columns],
-            expected: vec![0.0; columns],
             deeper: vec![0.0; columns],
+            kind: vec![0; columns],
             on: vec![0; columns],
             deep: vec![0; columns],
             height: vec![0.0; columns],
@@ -52,52 +63,76 @@ impl ResampledRow {
     #[inline(always)]
     pub fn fetch(&mut self, image: &DepthImage, first: Point, step: Vector) {
         let points = SpacedPoints::new(&image.intrinsics, first, step);
+        let size = (image.width as f32, image.height as f32);
+        let columns = self.deeper.len();
+        for from in (0..columns).step_by(RUN) {
+            let end = columns.min(from + RUN);
+            match points.one_on_each(from, end - from, size) {
+                Some((column, row)) => {
+                    let start = row * image.width + column;
+                    let depths = &image.depth[start..start + end - from];
+                    for (k, (deeper, &z)) in
+                        self.deeper[from..end].iter_mut().zip(depths).enumerate()
+                    {
+                        *deeper = beyond(z, points.depth_at(from + k));
+                    }
+                }
+                None => self.fetch_each(image, &points, from..end),
+            }
+        }
+    }
+
+    /// The same wherever the cells lie.
+    #[inline(always)]
+    fn fetch_each(&mut self, image: &DepthImage, points: &SpacedPoints, cells: Range<usize>) {
         let (width, height) = (image.width as f32, image.height as f32);
         let stride = image.width as i32;
-        let cells = self
-            .pixel
-            .iter_mut()
-            .zip(&mut self.expected)
-            .zip(&mut self.inside);
-        for (i, ((pixel, expected), inside)) in cells.enumerate() {
-            let (u, v, z) = points.at(i);
+        let (pixels, deeper) = (
+            &mut self.pixel[cells.clone()],
+            &mut self.deeper[cells.clone()],
+        );
+        for (i, pixel) in cells.clone().zip(&mut *pixels) {
+            let (u, v, _) = points.at(i);
             // False of NaN, too.
             let within = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
             let (u, v) = if within { (u, v) } else { (0.0, 0.0) };
-            *expected = z;
-            *pixel = int(v) * stride + int(u);
-            *inside = u32::from(within);
+            let place = int(v) * stride + int(u);
+            *pixel = if within { place } else { OUTSIDE };
         }
-        for (&pixel, depth) in self.pixel.iter().zip(&mut self.deeper) {
-            *depth = image.depth[pixel as usize];
+        for (deeper, &pixel) in deeper.iter_mut().zip(&*pixels) {
+            *deeper = image.depth[pixel.max(0) as usize];
         }
-        let cells = self.expected.iter().zip(&self.inside);
-        for (deeper, (&expected, &inside)) in self.deeper.iter_mut().zip(cells) {
-            let z = *deeper;
-            let there = if z == 0.0 { NOTHING } else { z - expected };
-            *deeper = if inside == 1 { there } else { BEYOND };
+        for (i, (deeper, &pixel)) in cells.zip(deeper.iter_mut().zip(&*pixels)) {
+            let there = beyond(*deeper, points.depth_at(i));
+            *deeper = if pixel == OUTSIDE { BEYOND } else { there };
         }
     }
 
     /// Tells surface, edge and the rest apart. `edge` is set to 1 where the surface ends or is not measured.
     #[inline(always)]
     pub fn classify(&mut self, tolerance: f32, edge: &mut [u8]) {
-        let out = self
-            .on
-            .iter_mut()
-            .zip(&mut self.deep)
-            .zip(edge)
-            .zip(&mut self.height);
-        for (&deeper, (((on, deep), edge), height)) in self.deeper.iter().zip(out) {
+        // All in one number first: narrowing numbers to bytes is most of the work.
+        let cells = self.kind.iter_mut().zip(&mut self.height);
+        for (&deeper, (kind, height)) in self.deeper.iter().zip(cells) {
             let surface = deeper.abs() <= tolerance;
-            *on = u8::from(surface);
-            *edge = u8::from(deeper > tolerance);
-            *deep = u8::from((deeper > tolerance) & (deeper < NOTHING));
+            let beyond = deeper > tolerance;
+            let kinds = u32::from(surface)
+                | (u32::from(beyond) << 1)
+                | (u32::from(beyond & (deeper < NOTHING)) << 2);
+            *kind = kinds;
             *height = if surface { -deeper } else { 0.0 };
+        }
+        let out = self.on.iter_mut().zip(&mut self.deep).zip(edge);
+        for (&kind, ((on, deep), edge)) in self.kind.iter().zip(out) {
+            let kind = kind as u8;
+            *on = kind & 1;
+            *edge = (kind >> 1) & 1;
+            *deep = kind >> 2;
         }
     }
 
     /// 1 where something nearer hides the plane, or nothing was measured.
+    #[inline(always)]
     pub fn unknown(&self, tolerance: f32) -> impl Iterator<Item = u8> {
         self.deeper.iter().map(move |&deeper| {
             u8::from((deeper == NOTHING) | ((deeper < -tolerance) & (deeper != BEYOND)))
@@ -105,7 +140,7 @@ impl ResampledRow {
     }
 
     /// Takes cells out of the picture: neither surface nor edge.
-    pub fn blank(&mut self, cells: std::ops::Range<usize>, edge: &mut [u8]) {
+    pub fn blank(&mut self, cells: Range<usize>, edge: &mut [u8]) {
         self.on[cells.clone()].fill(0);
         self.deep[cells.clone()].fill(0);
         self.height[cells.clone()].fill(0.0);

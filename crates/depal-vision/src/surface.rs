@@ -7,7 +7,7 @@ use crate::{
     components::Component,
     cover::uncovered,
     even::is_even,
-    gate::DepthImage,
+    gate::{DepthImage, LARGEST_DEPTH},
     joint::place_together,
     measure::measure_whole,
     orientation::{main_direction, outline},
@@ -23,6 +23,20 @@ use crate::{
 
 /// How far a patch reaches beyond its surface, metres.
 const MARGIN: f64 = 0.030;
+
+/// What shows less of the smallest carton than this is none.
+const LEAST_PART: f64 = 0.25;
+/// Fewer pixels make no plane.
+const LEAST_SAMPLES: usize = 50;
+
+/// A piece of fewer pixels is too small for [`Surface::new`], however far away it lies.
+pub fn least_pixels(image: &DepthImage, settings: &VisionSettings, smallest: f64) -> usize {
+    /// Rounding is less than that.
+    const SLACK: f64 = 0.999;
+    let far = settings.max_depth.min(f64::from(LARGEST_DEPTH));
+    let seen = LEAST_PART * smallest * image.intrinsics.fx * image.intrinsics.fy / (far * far);
+    LEAST_SAMPLES.max((SLACK * seen) as usize)
+}
 
 /// A piece of the step mask that lies on a plane roughly facing the camera.
 pub struct Surface {
@@ -60,7 +74,6 @@ impl Surface {
         settings: &VisionSettings,
         smallest: f64,
     ) -> Result<Self, Option<RejectedSurface>> {
-        const LEAST_PART: f64 = 0.25;
         let k = &image.intrinsics;
         let wanted = 500 + component.pixels / 200;
         let stride = (component.pixels / wanted.min(4000)).max(1);
@@ -84,7 +97,7 @@ impl Surface {
             (s.0 + p.0 / n, s.1 + p.1 / n, s.2 + p.2 / n)
         });
         let area = component.pixels as f64 * (z / k.fx) * (z / k.fy);
-        if area < LEAST_PART * smallest || samples.len() < 50 {
+        if area < LEAST_PART * smallest || samples.len() < LEAST_SAMPLES {
             return Err(None);
         }
         let centre_in_camera = k.deproject(u, v, z);

@@ -1,41 +1,29 @@
 //! Cells of a patch of which nothing is known: hidden by something nearer, or not measured. Tape, shadows and
 //! higher cartons are neither surface nor edge.
 
-use crate::{gate::DepthImage, patch::Patch, resample::ResampledRow};
+use crate::{
+    edge_sums::{row_and_next, sums_along},
+    gate::DepthImage,
+    patch::Patch,
+    resample::ResampledRow,
+    scratch::Kept,
+    widest::with_widest_vectors,
+};
 
 /// Sums over the unknown cells of a patch.
 pub struct Unknown<'a> {
     patch: &'a Patch,
     /// Unknown cells of all cells below and left.
-    sums: Vec<u32>,
+    sums: Kept<u32>,
 }
 
 impl<'a> Unknown<'a> {
     /// Looks at every cell of the patch once more; what was left out of it is not unknown.
     pub fn new(image: &DepthImage, patch: &'a Patch, tolerance: f64) -> Self {
-        let (columns, rows) = (patch.columns, patch.rows);
-        let mut row = ResampledRow::new(columns);
-        let mut above = vec![0u32; columns + 1];
-        let mut sums = Vec::with_capacity((columns + 1) * (rows + 1));
-        sums.extend_from_slice(&above);
-        let mut cells = vec![0u8; columns];
-        for j in 0..rows {
-            let along = patch.bottom + (j as f64 + 0.5) * patch.pitch;
-            let first = patch.frame.point(patch.left + 0.5 * patch.pitch, along);
-            row.fetch(image, first, patch.frame.x * patch.pitch);
-            for (cell, unknown) in cells.iter_mut().zip(row.unknown(tolerance as f32)) {
-                *cell = unknown;
-            }
-            for blank in &patch.blanks {
-                cells[blank.cells(along, patch.left, patch.pitch, columns)].fill(0);
-            }
-            let mut sum = 0;
-            for (&cell, total) in cells.iter().zip(&mut above[1..]) {
-                sum += u32::from(cell);
-                *total += sum;
-            }
-            sums.extend_from_slice(&above);
-        }
+        let sums = with_widest_vectors(
+            #[inline(always)]
+            || sums(image, patch, tolerance as f32),
+        );
         Self { patch, sums }
     }
 
@@ -48,4 +36,32 @@ impl<'a> Unknown<'a> {
         let unknown = sum(i1, j1) + sum(i0, j0) - sum(i0, j1) - sum(i1, j0);
         f64::from(unknown) / cells
     }
+}
+
+/// Unknown cells of all cells below and left.
+#[inline(always)]
+fn sums(image: &DepthImage, patch: &Patch, tolerance: f32) -> Kept<u32> {
+    let (columns, rows) = (patch.columns, patch.rows);
+    let mut row = ResampledRow::new(columns);
+    // All but the first row and column is written by and by.
+    let mut sums = Kept::of_any((columns + 1) * (rows + 1), 0u32);
+    sums[..=columns].fill(0);
+    let mut cells = vec![0u8; columns];
+    for j in 0..rows {
+        let along = patch.bottom + (j as f64 + 0.5) * patch.pitch;
+        let first = patch.frame.point(patch.left + 0.5 * patch.pitch, along);
+        row.fetch(image, first, patch.frame.x * patch.pitch);
+        for (cell, unknown) in cells.iter_mut().zip(row.unknown(tolerance)) {
+            *cell = unknown;
+        }
+        for blank in &patch.blanks {
+            cells[blank.cells(along, patch.left, patch.pitch, columns)].fill(0);
+        }
+        let (before, next) = row_and_next(&mut sums, j, columns + 1);
+        next[0] = 0;
+        sums_along(&cells, &before[1..], &mut next[1..], |sum, before| {
+            before + sum
+        });
+    }
+    sums
 }
