@@ -138,8 +138,9 @@ fn fold_of(boxes: &[DetectedBox], tolerances: &[f64], image: &DepthImage) -> Opt
     let stride = (lines / LINES).max(1.0);
     let mut profile = [Bin::default(); BINS];
     for (strip, tolerance) in strips.iter().zip(tolerances.iter().flat_map(|t| [t; 4])) {
-        strip.walk(-INSIDE, BEYOND, stride, |outward, fall| {
-            let bin = (outward + INSIDE) / BIN;
+        // By where the pixels look: where their points lie, a bin between two rows would gather the deepest alone.
+        strip.walk(-INSIDE, BEYOND, stride, |looked_at, _, fall| {
+            let bin = (looked_at + INSIDE) / BIN;
             if bin >= 0.0 && bin < BINS as f64 && fall > -tolerance && fall < tolerance + DEEPEST {
                 let bin = &mut profile[bin as usize];
                 bin.count += 1.0;
@@ -180,6 +181,8 @@ fn fold_of_profile(profile: &[Bin; BINS], pixel: usize) -> Option<Fold> {
     const SIDE: usize = (INSIDE / BIN) as usize;
     /// A fall is none that is less than so many of its deviations.
     const SURE: f64 = 5.0;
+    /// A rounding leaves at most this share of the squared falls.
+    const EXPLAINED: f64 = 0.3;
     /// Radii that are tried, metres.
     const LEAST: f64 = 0.000_5;
     const STEP: f64 = 0.000_125;
@@ -224,9 +227,11 @@ fn fold_of_profile(profile: &[Bin; BINS], pixel: usize) -> Option<Fold> {
             radius: LEAST + STEP * n as f64,
         })
         .map(|fold| (misfit(&fold), fold))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, fold)| fold);
-    best.filter(|fold| fold.radius >= SHARPEST)
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    // A single deep bin that no rounding explains is none.
+    let flat: f64 = seen.iter().map(|bin| bin.count * fall(bin).powi(2)).sum();
+    best.filter(|(misfit, fold)| fold.radius >= SHARPEST && *misfit < EXPLAINED * flat)
+        .map(|(_, fold)| fold)
 }
 
 /// How far beyond its known place a side lies by where its fall begins, metres; `None` where too little is seen.
@@ -255,7 +260,7 @@ fn side_by_fall(
         start - LEVEL - SEARCHED,
         start + followed + SEARCHED,
         STRIDE,
-        |outward, fall| pixels.push([outward, fall]),
+        |_, outward, fall| pixels.push([outward, fall]),
     );
     // The fall of a side that lies elsewhere is followed from where it fits roughly.
     let misfit = |beyond: f64| {

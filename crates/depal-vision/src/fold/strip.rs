@@ -41,9 +41,16 @@ impl<'a> Strip<'a> {
         }
     }
 
-    /// Tells of each measured pixel of lines `stride` pixels apart how far beyond the side's known place its point
-    /// lies (-: inside) and how far under the top's plane, metres. Returns the number of lines.
-    pub fn walk(&self, from: f64, to: f64, stride: f64, mut take: impl FnMut(f64, f64)) -> usize {
+    /// Tells of each measured pixel of lines `stride` pixels apart how far beyond the side's known place (-: inside)
+    /// it looks at the top's plane, how far beyond it its point lies, and how far under the plane, metres. Returns
+    /// the number of lines.
+    pub fn walk(
+        &self,
+        from: f64,
+        to: f64,
+        stride: f64,
+        mut take: impl FnMut(f64, f64, f64),
+    ) -> usize {
         let k = &self.image.intrinsics;
         let (width, height) = (self.image.width as f64, self.image.height as f64);
         let coefficient = self.frame.plane.coefficient;
@@ -78,8 +85,8 @@ impl<'a> Strip<'a> {
                 if depth > 0.0 {
                     let (across, down) = (u - ub, v - vb);
                     let beyond = depth - (z + deeper[0] * across + deeper[1] * down);
-                    let outward = aside[0] * across + aside[1] * down + out * beyond;
-                    take(outward, under * beyond);
+                    let looked_at = aside[0] * across + aside[1] * down;
+                    take(looked_at, looked_at + out * beyond, under * beyond);
                 }
             }
         }
