@@ -33,7 +33,7 @@ fn frames() -> Vec<(DepthFrame, Vec<BoxSize>)> {
             cx: (k.cx - 0.5) / 2.0,
             cy: (k.cy - 0.5) / 2.0,
         },
-        ..spec.clone()
+        ..spec
     };
     [
         (Layout::Pinwheel21, 0.0, &spec),
