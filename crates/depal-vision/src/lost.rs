@@ -29,8 +29,8 @@ const MOST: f64 = 0.4;
 /// the others hang together with it. Two clusters of up to ten pixels have lost less.
 const CHANCE: (f64, f64) = (28.0, 0.75);
 
-/// One of so many pixels is too few to spoil anything.
-const FEW: usize = 4000;
+/// One of so many pixels is too few to spoil anything: half of what a good camera loses anyway.
+const FEW: usize = 1000;
 /// A pixel is put in from at least so many of the eight around it.
 const LEAST_AROUND: usize = 3;
 /// What is in the middle of a cluster follows from what was put in around it.
