@@ -5,6 +5,7 @@ use depal_frames::{BoxSize, DepthFrame, Point};
 use crate::{
     DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
     components::{Component, components},
+    doubles::refuse_doubles,
     gate::{DepthImage, gate},
     inset::place_by_insets,
     neighbours::neighbours,
@@ -209,6 +210,7 @@ fn find_boxes(
     found.extend(covered);
     keep_best(found, settings, detection);
     turn_together(&mut detection.boxes, &image.intrinsics);
+    refuse_doubles(image, settings, detection);
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.

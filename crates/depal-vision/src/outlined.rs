@@ -4,10 +4,12 @@ use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
     arrange::UNEVEN,
     breaks::Breaks,
+    doubles::has_narrow_gaps,
     gate::DepthImage,
+    parts::made_of_others,
     patch::Patch,
     relief::Relief,
-    search::{Candidate, search},
+    search::{Candidate, extents, search},
     settle::start_frame,
     verify::{Proof, verify},
 };
@@ -36,7 +38,15 @@ pub fn outlined(
             candidate.turned,
             Proof::Outline,
         ) {
-            Ok(found) if !breaks.as_ref().is_some_and(|b| b.refute(patch, &candidate)) => {
+            Ok(found)
+                if !breaks.as_ref().is_some_and(|b| {
+                    let label = candidate.label as usize;
+                    let sides = extents(&settings.sizes[label], candidate.turned);
+                    let doubtful = made_of_others(settings, label)
+                        && has_narrow_gaps(image, settings, &start, sides);
+                    b.refute(patch, &candidate, doubtful)
+                }) =>
+            {
                 boxes.push(found);
                 fixed.push(candidate);
             }

@@ -103,15 +103,16 @@ impl Relief {
                 *sum += more;
             }
         }
-        let [count, .., squares] = sums;
-        let Some(plane) = plane_of(&sums) else {
-            return PlaneMisfit::default();
-        };
-        let explained = plane[0] * sums[6] + plane[1] * sums[7] + plane[2] * sums[8];
-        PlaneMisfit {
-            squares: (squares - explained).max(0.0),
-            blocks: count as usize,
-        }
+        misfit_of(&sums)
+    }
+
+    /// By how much less two planes, one for each of two rectangles of blocks, miss their heights than one plane for
+    /// both does, square metres.
+    pub fn gain_by_parting(&self, a: &[Range<usize>; 2], b: &[Range<usize>; 2]) -> f64 {
+        let [a, b] = [a, b].map(|r| self.sums_within(&r[0], &r[1]));
+        let both: Sums = std::array::from_fn(|k| a[k] + b[k]);
+        let [both, a, b] = [both, a, b].map(|sums| misfit_of(&sums).squares);
+        both - a - b
     }
 
     /// The plane through the heights of some columns and rows of blocks; `None` of too few.
@@ -169,6 +170,18 @@ impl Fit {
 
 fn normal_of(&[n, x, y, xx, xy, yy, ..]: &Sums) -> Matrix3<f64> {
     Matrix3::new(n, x, y, x, xx, xy, y, xy, yy)
+}
+
+fn misfit_of(sums: &Sums) -> PlaneMisfit {
+    let &[count, .., squares] = sums;
+    let Some(plane) = plane_of(sums) else {
+        return PlaneMisfit::default();
+    };
+    let explained = plane[0] * sums[6] + plane[1] * sums[7] + plane[2] * sums[8];
+    PlaneMisfit {
+        squares: (squares - explained).max(0.0),
+        blocks: count as usize,
+    }
 }
 
 /// Height at the origin and per block along both axes; `None` of blocks too few or in a row.

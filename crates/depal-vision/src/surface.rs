@@ -12,6 +12,7 @@ use crate::{
     measure::{Measured, measure_whole},
     orientation::{main_direction, outline},
     outlined::outlined,
+    parts::made_of_others,
     patch::{Grid, Patch, SHARP_RIM, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
     search::{Candidate, extents, sides_with_edges},
@@ -233,6 +234,10 @@ impl Surface {
             .flat_map(|label| [(label, false), (label, true)])
             .filter(|&(label, turned)| misfit(label, turned) <= allowed)
             .min_by(|a, b| misfit(a.0, a.1).total_cmp(&misfit(b.0, b.1)))?;
+        // A seam that hides between two rows of pixels shows in the heights alone.
+        if made_of_others(settings, label) {
+            return None;
+        }
         if self.area < FILLED * (range[0] + pitch) * (range[1] + pitch) {
             return None;
         }
