@@ -1,17 +1,16 @@
-//! Two cartons of one known size that look like one of another. Where gaps are narrower than a pixel, the one between
-//! them may fall between two rows of pixels along all of its length; then only their heights tell two from one, and
-//! only if cartons hereabouts differ in height by much more than what noise hides.
+//! Two cartons of one known size that look like one of another. A gap narrower than a pixel may fall between two rows of
+//! pixels along all of its length; then only their heights tell two from one. How likely it is that both fail follows
+//! from the other cartons of the layer: how many gaps are not seen, and by how much neighbours differ in height.
 
 use depal_frames::{Point, Vector};
 
 use crate::{
     DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
     breaks::BY_CHANCE,
-    gaps::{is_wide, narrowest_gap},
+    gaps::lost_beside,
     gate::DepthImage,
     noise::noise_of_pixels,
     parts::made_of_others,
-    patch::pixel_pitch,
     plane::{Plane, PlaneFrame},
 };
 
@@ -21,10 +20,12 @@ const LEVEL: f64 = 0.01;
 const FARTHEST: f64 = 0.010;
 /// Fewer pairs of neighbours say nothing of how cartons differ.
 const LEAST_PAIRS: usize = 3;
-/// Half of all neighbours must differ by so many times the step that noise hides. How two planes differ at both ends of
-/// a side are two numbers, so that the share that differs by less than a part of the median goes with its square: half
-/// of 1/25 is one in fifty, and of those the gap must hide as well.
-const TELLING: f64 = 5.0;
+/// A gap that loses so many pixels is wider than one: of those none can hide.
+const WIDER_THAN_A_PIXEL: f64 = 1.5;
+/// One that loses fewer is not seen.
+const SEEN: f64 = 0.5;
+/// A box is refused where two cartons look like it with more than this chance.
+const LIKELY: f64 = 0.01;
 
 /// Refuses each box that smaller known cartons would make up as well, where neither gaps nor heights say that they do
 /// not.
@@ -36,6 +37,11 @@ pub fn refuse_doubles(image: &DepthImage, settings: &VisionSettings, detection: 
         return;
     }
     let noise = noise_of_pixels(image.depth, image.width).unwrap_or(0.0);
+    let lost: Vec<[Option<f64>; 4]> = detection
+        .boxes
+        .iter()
+        .map(|b| lost_at(image, settings, b))
+        .collect();
     let refused: Vec<usize> = doubtful
         .into_iter()
         .filter(|&n| {
@@ -44,7 +50,7 @@ pub fn refuse_doubles(image: &DepthImage, settings: &VisionSettings, detection: 
             // A step in the middle leaves a quarter of itself after the best single plane, on all pixels.
             let pixels = b.size.length * b.size.width / (pitch * pitch);
             let hidden = noise * (16.0 * BY_CHANCE / pixels).sqrt();
-            !median_step(&detection.boxes, b).is_some_and(|step| step >= TELLING * hidden)
+            chance(&detection.boxes, &lost, b, hidden) > LIKELY
         })
         .collect();
     for n in refused.into_iter().rev() {
@@ -57,41 +63,57 @@ pub fn refuse_doubles(image: &DepthImage, settings: &VisionSettings, detection: 
     }
 }
 
-fn is_doubtful(image: &DepthImage, settings: &VisionSettings, b: &DetectedBox) -> bool {
-    made_of_others(settings, b.label as usize) && {
-        let origin = Point::from(b.camera_from_box.translation.vector);
-        let axis = |k: usize| b.camera_from_box.rotation * Vector::ith(k, 1.0);
-        let normal = axis(2);
-        let frame = PlaneFrame {
-            plane: Plane {
-                coefficient: normal / normal.dot(&origin.coords),
-            },
-            origin,
-            x: axis(0),
-            y: axis(1),
-        };
-        has_narrow_gaps(image, settings, &frame, [b.size.length, b.size.width])
-    }
-}
-
-/// True when a gap beside a rectangle is so narrow that one like it could hide within.
-pub fn has_narrow_gaps(
-    image: &DepthImage,
-    settings: &VisionSettings,
-    frame: &PlaneFrame,
-    extents: [f64; 2],
-) -> bool {
-    narrowest_gap(image, frame, extents, settings.plane_tolerance)
-        .is_some_and(|gap| !is_wide(gap, pixel_pitch(frame, &image.intrinsics)))
-}
-
-/// Median over all pairs of neighbours in the layer of `of` of how far their planes are apart at the ends of their
-/// common side, metres; `None` where there are few.
-fn median_step(boxes: &[DetectedBox], of: &DetectedBox) -> Option<f64> {
-    let layer: Vec<&DetectedBox> = boxes
+/// The chance that a gap like those in the layer of `of` is not seen and heights differ by less than noise hides,
+/// `hidden` metres. How two planes differ at both ends of a side are two numbers, so that the share of neighbours that
+/// differ by less than a part of the median goes with the square of that part.
+fn chance(boxes: &[DetectedBox], lost: &[[Option<f64>; 4]], of: &DetectedBox, hidden: f64) -> f64 {
+    let layer = |b: &DetectedBox| seen_from(of, b).z.abs() <= LEVEL;
+    let gaps: Vec<f64> = boxes
         .iter()
-        .filter(|b| seen_from(of, b).z.abs() <= LEVEL)
+        .zip(lost)
+        .filter(|(b, _)| layer(b))
+        .flat_map(|(_, sides)| sides.iter().flatten().copied())
         .collect();
+    let unseen = gaps.iter().filter(|&&lost| lost < SEEN).count();
+    // Laplace's rule of succession: none unseen of few is no proof.
+    let hides = (unseen + 1) as f64 / (gaps.len() + 2) as f64;
+    let in_layer: Vec<&DetectedBox> = boxes.iter().filter(|b| layer(b)).collect();
+    let alike = match median_step(&in_layer) {
+        Some(step) => (0.5 * (hidden / step).powi(2)).min(1.0),
+        None => 1.0,
+    };
+    hides * alike
+}
+
+/// True for a box that smaller known cartons would make up as well, with a gap that may hide.
+pub fn is_doubtful(image: &DepthImage, settings: &VisionSettings, b: &DetectedBox) -> bool {
+    made_of_others(settings, b.label as usize)
+        && lost_at(image, settings, b)
+            .into_iter()
+            .flatten()
+            .any(|lost| lost < WIDER_THAN_A_PIXEL)
+}
+
+/// Pixels lost at its sides where others stand beside it.
+fn lost_at(image: &DepthImage, settings: &VisionSettings, b: &DetectedBox) -> [Option<f64>; 4] {
+    let origin = Point::from(b.camera_from_box.translation.vector);
+    let axis = |k: usize| b.camera_from_box.rotation * Vector::ith(k, 1.0);
+    let normal = axis(2);
+    let frame = PlaneFrame {
+        plane: Plane {
+            coefficient: normal / normal.dot(&origin.coords),
+        },
+        origin,
+        x: axis(0),
+        y: axis(1),
+    };
+    let extents = [b.size.length, b.size.width];
+    lost_beside(image, &frame, extents, settings.plane_tolerance)
+}
+
+/// Median over all pairs of neighbours of how far their planes are apart at the ends of their common side, metres;
+/// `None` where there are few.
+fn median_step(layer: &[&DetectedBox]) -> Option<f64> {
     let mut steps: Vec<f64> = Vec::new();
     for (n, a) in layer.iter().enumerate() {
         steps.extend(layer[n + 1..].iter().filter_map(|b| step(a, b)));

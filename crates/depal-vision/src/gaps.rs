@@ -12,16 +12,17 @@ pub fn is_wide(gap: f64, pitch: f64) -> bool {
     gap >= WIDE_GAP.max(WIDE_GAP_CELLS * pitch)
 }
 
-/// The narrowest gap beside a rectangle (origin of `frame` in its middle, sides `extents` along its axes, metres), lost
-/// pixels included; `None` where nothing of the same height stands beside it.
-pub fn narrowest_gap(
+/// How much of the surface is lost at each side (-X, +X, -Y, +Y) of a rectangle where another one stands beside it,
+/// pixels, mean over its length; `None` where nothing of the same height does. Origin of `frame` in its middle, sides
+/// `extents` along its axes, metres.
+pub fn lost_beside(
     image: &DepthImage,
     frame: &PlaneFrame,
     extents: [f64; 2],
     tolerance: f64,
-) -> Option<f64> {
+) -> [Option<f64>; 4] {
     /// Lines across each side.
-    const LINES: usize = 24;
+    const LINES: usize = 20;
     /// They begin so many pixels inside the side,
     const INSIDE: f64 = 4.0;
     /// and reach so far beyond it, metres.
@@ -36,9 +37,9 @@ pub fn narrowest_gap(
         image.class(u, v, expected, tolerance) == Class::On
     };
     let steps = ((BEYOND / pitch + INSIDE) / STEP).ceil() as usize;
-    let gap = |side: usize| {
+    [0, 1, 2, 3].map(|side| {
         let (axis, across) = (side / 2, 1 - side / 2);
-        let sign = if side.is_multiple_of(2) { -1.0 } else { 1.0 };
+        let sign = if side % 2 == 0 { -1.0 } else { 1.0 };
         let (mut lines, mut lost) = (0, 0);
         for line in 0..LINES {
             let along = 0.9 * ((line as f64 + 0.5) / LINES as f64 - 0.5) * extents[across];
@@ -56,7 +57,6 @@ pub fn narrowest_gap(
                     .count();
             }
         }
-        (3 * lines >= LINES).then(|| lost as f64 * STEP * pitch / f64::from(lines as u32))
-    };
-    (0..4).filter_map(gap).reduce(f64::min)
+        (3 * lines >= LINES).then(|| lost as f64 * STEP / f64::from(lines as u32))
+    })
 }

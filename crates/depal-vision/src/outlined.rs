@@ -4,12 +4,11 @@ use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
     arrange::UNEVEN,
     breaks::Breaks,
-    doubles::has_narrow_gaps,
+    doubles::is_doubtful,
     gate::DepthImage,
-    parts::made_of_others,
     patch::Patch,
     relief::Relief,
-    search::{Candidate, extents, search},
+    search::{Candidate, search},
     settle::start_frame,
     verify::{Proof, verify},
 };
@@ -40,10 +39,7 @@ pub fn outlined(
         ) {
             Ok(found)
                 if !breaks.as_ref().is_some_and(|b| {
-                    let label = candidate.label as usize;
-                    let sides = extents(&settings.sizes[label], candidate.turned);
-                    let doubtful = made_of_others(settings, label)
-                        && has_narrow_gaps(image, settings, &start, sides);
+                    let doubtful = is_doubtful(image, settings, &found);
                     b.refute(patch, &candidate, doubtful)
                 }) =>
             {

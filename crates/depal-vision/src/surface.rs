@@ -6,13 +6,13 @@ use crate::{
     blank::Blank,
     components::Component,
     cover::uncovered,
+    doubles::is_doubtful,
     even::is_even,
     gate::DepthImage,
     joint::place_together,
     measure::{Measured, measure_whole},
     orientation::{main_direction, outline},
     outlined::outlined,
-    parts::made_of_others,
     patch::{Grid, Patch, SHARP_RIM, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
     search::{Candidate, extents, sides_with_edges},
@@ -234,10 +234,6 @@ impl Surface {
             .flat_map(|label| [(label, false), (label, true)])
             .filter(|&(label, turned)| misfit(label, turned) <= allowed)
             .min_by(|a, b| misfit(a.0, a.1).total_cmp(&misfit(b.0, b.1)))?;
-        // A seam that hides between two rows of pixels shows in the heights alone.
-        if made_of_others(settings, label) {
-            return None;
-        }
         if self.area < FILLED * (range[0] + pitch) * (range[1] + pitch) {
             return None;
         }
@@ -253,7 +249,7 @@ impl Surface {
             return None;
         }
         let found = verify(image, settings, start, label as u32, turned, Proof::Outline).ok()?;
-        (found.proven_sides == 4).then_some(found)
+        (found.proven_sides == 4 && !is_doubtful(image, settings, &found)).then_some(found)
     }
 
     /// Boxes whose outline can be seen; `Err` when this is background.
