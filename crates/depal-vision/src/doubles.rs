@@ -25,7 +25,7 @@ const WIDER_THAN_A_PIXEL: f64 = 1.5;
 /// One that loses fewer is not seen.
 const SEEN: f64 = 0.5;
 /// A box is refused where two cartons look like it with more than this chance.
-const LIKELY: f64 = 0.01;
+const LIKELY: f64 = 0.02;
 
 /// Refuses each box that smaller known cartons would make up as well, where neither gaps nor heights say that they do
 /// not.
