@@ -146,9 +146,9 @@ impl Patch {
         for j in 0..rows {
             let along = y[0] + (j as f64 + 0.5) * pitch;
             let first = frame.point(x[0] + 0.5 * pitch, along);
-            row.fetch(image, first, frame.x * pitch);
+            row.fetch(image, &frame.plane, first, frame.x * pitch);
             let edge = &mut edge[(j + 2) * stride + 2..(j + 2) * stride + 2 + columns];
-            row.classify(tolerance as f32, edge);
+            row.classify(tolerance as f32, frame.origin.z as f32, edge);
             for blank in blanks {
                 row.blank(blank.cells(along, x[0], pitch, columns), edge);
             }

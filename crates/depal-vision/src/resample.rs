@@ -2,7 +2,7 @@
 
 use depal_frames::{Point, Vector};
 
-use crate::{gate::DepthImage, spaced_points::SpacedPoints};
+use crate::{gate::DepthImage, plane::Plane, spaced_points::SpacedPoints};
 
 /// One row of cells: where they lie in the image, then what is there.
 pub struct ResampledRow {
@@ -48,10 +48,17 @@ impl ResampledRow {
         }
     }
 
-    /// Cells at `first + i step` (camera frame).
+    /// Cells at `first + i step` (camera frame) on a plane. Its depth is taken where the middle of the nearest pixel looks:
+    /// on one that leans, half a pixel beside a cell it is another.
     #[inline(always)]
-    pub fn fetch(&mut self, image: &DepthImage, first: Point, step: Vector) {
-        let points = SpacedPoints::new(&image.intrinsics, first, step);
+    pub fn fetch(&mut self, image: &DepthImage, plane: &Plane, first: Point, step: Vector) {
+        let k = &image.intrinsics;
+        let points = SpacedPoints::new(k, first, step);
+        // Its inverse depth grows by so much from column to column and from row to row.
+        let (across, down) = (
+            (plane.coefficient.x / k.fx) as f32,
+            (plane.coefficient.y / k.fy) as f32,
+        );
         let (width, height) = (image.width as f32, image.height as f32);
         let stride = image.width as i32;
         let cells = self
@@ -64,8 +71,10 @@ impl ResampledRow {
             // False of NaN, too.
             let within = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
             let (u, v) = if within { (u, v) } else { (0.0, 0.0) };
-            *expected = z;
-            *pixel = int(v) * stride + int(u);
+            let (column, row) = (int(u), int(v));
+            let beside = across * (column as f32 + 0.5 - u) + down * (row as f32 + 0.5 - v);
+            *expected = z - z * z * beside;
+            *pixel = row * stride + column;
             *inside = u32::from(within);
         }
         for (&pixel, depth) in self.pixel.iter().zip(&mut self.deeper) {
@@ -79,21 +88,28 @@ impl ResampledRow {
         }
     }
 
-    /// Tells surface, edge and the rest apart. `edge` is set to 1 where the surface ends or is not measured.
+    /// Tells surface, edge and the rest apart. `edge` is set to 1 where the surface ends or is not measured. Heights are
+    /// differences of depth at the distance `at`, metres: by how much a second plane is nearer goes with the depth on
+    /// the first, so that only in these parts of it is the second one affine in the cells as well.
     #[inline(always)]
-    pub fn classify(&mut self, tolerance: f32, edge: &mut [u8]) {
+    pub fn classify(&mut self, tolerance: f32, at: f32, edge: &mut [u8]) {
         let out = self
             .on
             .iter_mut()
             .zip(&mut self.deep)
             .zip(edge)
             .zip(&mut self.height);
-        for (&deeper, (((on, deep), edge), height)) in self.deeper.iter().zip(out) {
+        let depths = self.deeper.iter().zip(&self.expected);
+        for ((&deeper, &expected), (((on, deep), edge), height)) in depths.zip(out) {
             let surface = deeper.abs() <= tolerance;
             *on = u8::from(surface);
             *edge = u8::from(deeper > tolerance);
             *deep = u8::from((deeper > tolerance) & (deeper < NOTHING));
-            *height = if surface { -deeper } else { 0.0 };
+            *height = if surface {
+                -deeper * (at / expected)
+            } else {
+                0.0
+            };
         }
     }
 

@@ -22,7 +22,8 @@ impl<'a> Unknown<'a> {
         for j in 0..rows {
             let along = patch.bottom + (j as f64 + 0.5) * patch.pitch;
             let first = patch.frame.point(patch.left + 0.5 * patch.pitch, along);
-            row.fetch(image, first, patch.frame.x * patch.pitch);
+            let step = patch.frame.x * patch.pitch;
+            row.fetch(image, &patch.frame.plane, first, step);
             for (cell, unknown) in cells.iter_mut().zip(row.unknown(tolerance as f32)) {
                 *cell = unknown;
             }
