@@ -8,7 +8,7 @@ use crate::{
     gaps::is_wide,
     gate::DepthImage,
     ink::dark_sides,
-    parts::{is_needless, is_within_another},
+    parts::{is_needless, is_within_another, only_parts},
     patch::Patch,
     relief::Relief,
     seams::{LEAST_LINE, SEEN_SEAM, any_seam, islands, seams_seen, touches, widest_gap},
@@ -220,9 +220,14 @@ fn arrange_with(
     // One carton in a pit of higher ones stands on nothing that is seen, but all its sides are.
     let framed = best.len() == 1 && best[0].sides.iter().all(|&s| s >= FRAMED);
     let plain = level && !any_seam(&best, patch.pitch) && !framed;
+    let narrow = !is_wide(widest_gap(patch, &best), patch.pitch);
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
-        .filter(|r| merit(r) > merit(&best) - lead && !same(&best, r))
+        .filter(|r| {
+            // A seam not seen is none only where gaps are wide: else heights alone tell two cartons from one.
+            narrow && only_parts(r, &best, |_, _| true)
+                || merit(r) > merit(&best) - lead && !same(&best, r)
+        })
         .collect();
     if !rivals.is_empty() {
         // A level sheet can be covered in several ways, of which only some were tried: no proof.
@@ -244,7 +249,6 @@ fn arrange_with(
     // size stands proven beside them, or there are many of them and the gaps that are seen are so
     // narrow that others may well be invisible.
     let islands = islands(&best, patch, &breaks, !level && !patch.is_smeared());
-    let narrow = !is_wide(widest_gap(patch, &best), patch.pitch);
     let believable = |b: usize| {
         let together = islands.iter().filter(|&&i| i == islands[b]).count();
         together == 1

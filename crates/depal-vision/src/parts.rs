@@ -19,25 +19,35 @@ pub fn is_needless(
     relief: &Relief,
     noise: f64,
 ) -> bool {
-    if finer.len() <= coarser.len() {
-        return false;
-    }
     let beyond = |c: &Candidate| {
         let plane = relief.misfit(&[*c]);
         plane.squares - noise * plane.blocks as f64
     };
-    coarser.iter().all(|whole| {
-        if finer.iter().any(|c| c.is_like(whole)) {
-            return true;
-        }
-        let parts: Vec<&Candidate> = finer.iter().filter(|c| c.overlap(whole) > 0.9).collect();
-        let covered: f64 = parts.iter().map(|c| whole.overlap(c)).sum();
+    only_parts(finer, coarser, |whole, parts| {
         let apart: f64 = parts.iter().map(|c| beyond(c)).sum();
-        parts.len() > 1
-            && covered > 0.9
-            && beyond(whole) - apart < BY_CHANCE * noise * (parts.len() - 1) as f64
-            && parts.iter().all(|c| inner_edge(c, whole) < SEEN_SEAM)
+        beyond(whole) - apart < BY_CHANCE * noise * (parts.len() - 1) as f64
     })
+}
+
+/// True when `finer` has all cartons of `coarser`, some of them as smaller ones without a seam between them, and what
+/// is asked of each of those (the whole and its parts) holds.
+pub fn only_parts(
+    finer: &[Candidate],
+    coarser: &[Candidate],
+    holds: impl Fn(&Candidate, &[&Candidate]) -> bool,
+) -> bool {
+    finer.len() > coarser.len()
+        && coarser.iter().all(|whole| {
+            if finer.iter().any(|c| c.is_like(whole)) {
+                return true;
+            }
+            let parts: Vec<&Candidate> = finer.iter().filter(|c| c.overlap(whole) > 0.9).collect();
+            let covered: f64 = parts.iter().map(|c| whole.overlap(c)).sum();
+            parts.len() > 1
+                && covered > 0.9
+                && parts.iter().all(|c| inner_edge(c, whole) < SEEN_SEAM)
+                && holds(whole, &parts)
+        })
 }
 
 /// The most edge along a side of a part that is none of the whole's.
