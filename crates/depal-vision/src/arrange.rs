@@ -5,8 +5,10 @@ use depal_frames::BoxSize;
 use crate::{
     breaks::{Breaks, ends_surface},
     cover::{Covering, cover},
+    gaps::is_wide,
     gate::DepthImage,
     ink::dark_sides,
+    parts::{is_needless, is_within_another, only_parts},
     patch::Patch,
     relief::Relief,
     seams::{LEAST_LINE, SEEN_SEAM, any_seam, islands, seams_seen, touches, widest_gap},
@@ -29,11 +31,6 @@ const LEAST_WITHOUT_SEAM: usize = 3;
 
 /// Of a carton beside something hidden so many sides must show; the fourth may be what is hidden.
 const LEAST_SHOWN: usize = 3;
-/// Where gaps measure this much (lost pixels at their rims included), all gaps can be seen, metres.
-const WIDE_GAP: f64 = 0.0035;
-/// The same in cells: one for a gap that fills a pixel, 0.4 lost at each rim, and noise.
-const WIDE_GAP_CELLS: f64 = 2.2;
-
 /// Share of edge along each side of a lone carton that a piece of floor has by no chance.
 const FRAMED: f64 = 0.8;
 /// A reading of whose inner sides so many show a seam needs no other proof.
@@ -194,7 +191,15 @@ fn arrange_with(
         let all: Vec<Candidate> = best.iter().chain(fixed).copied().collect();
         let boxes: Vec<Candidate> = best
             .iter()
-            .filter(|b| is_proven(b, &all, patch, &breaks, unknown))
+            .filter(|b| {
+                // Beyond a side where nothing ends a larger known carton may go on.
+                let least = if is_within_another(sizes, b.label as usize) {
+                    4
+                } else {
+                    LEAST_SHOWN
+                };
+                is_proven(b, &all, patch, &breaks, unknown, least)
+            })
             .filter(|b| {
                 readings[1..]
                     .iter()
@@ -215,9 +220,14 @@ fn arrange_with(
     // One carton in a pit of higher ones stands on nothing that is seen, but all its sides are.
     let framed = best.len() == 1 && best[0].sides.iter().all(|&s| s >= FRAMED);
     let plain = level && !any_seam(&best, patch.pitch) && !framed;
+    let narrow = !is_wide(widest_gap(patch, &best), patch.pitch);
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
-        .filter(|r| merit(r) > merit(&best) - lead && !same(&best, r))
+        .filter(|r| {
+            // A seam not seen is none only where gaps are wide: else heights alone tell two cartons from one.
+            narrow && only_parts(r, &best, |_, _| true)
+                || merit(r) > merit(&best) - lead && !same(&best, r)
+        })
         .collect();
     if !rivals.is_empty() {
         // A level sheet can be covered in several ways, of which only some were tried: no proof.
@@ -239,7 +249,6 @@ fn arrange_with(
     // size stands proven beside them, or there are many of them and the gaps that are seen are so
     // narrow that others may well be invisible.
     let islands = islands(&best, patch, &breaks, !level && !patch.is_smeared());
-    let narrow = widest_gap(patch, &best) < WIDE_GAP.max(WIDE_GAP_CELLS * patch.pitch);
     let believable = |b: usize| {
         let together = islands.iter().filter(|&&i| i == islands[b]).count();
         together == 1
@@ -269,13 +278,15 @@ fn arrange_with(
     })
 }
 
-/// True when edges or height breaks show a side along both axes, and none runs through the carton.
+/// True when edges or height breaks show `least_shown` sides, one along both axes at least, and none runs through the
+/// carton.
 fn is_proven(
     b: &Candidate,
     all: &[Candidate],
     patch: &Patch,
     breaks: &Breaks,
     unknown: &Unknown,
+    least_shown: usize,
 ) -> bool {
     /// So many cells beyond a side tell what ends there.
     const BEYOND: isize = 6;
@@ -300,51 +311,8 @@ fn is_proven(
     let sides = [0, 1, 2, 3].map(shown);
     (sides[0] || sides[1])
         && (sides[2] || sides[3])
-        && sides.iter().filter(|s| **s).count() >= LEAST_SHOWN
+        && sides.iter().filter(|s| **s).count() >= least_shown
         && !breaks.within(b)
-}
-
-/// True when `finer` only parts cartons of `coarser` into smaller ones, and their heights do not ask for it.
-fn is_needless(finer: &[Candidate], coarser: &[Candidate], relief: &Relief, noise: f64) -> bool {
-    /// What an unnecessary carton explains of noise alone, in means of a block, is less than this.
-    const BY_CHANCE: f64 = 30.0;
-    if finer.len() <= coarser.len() {
-        return false;
-    }
-    let beyond = |c: &Candidate| {
-        let plane = relief.misfit(&[*c]);
-        plane.squares - noise * plane.blocks as f64
-    };
-    coarser.iter().all(|whole| {
-        if finer.iter().any(|c| c.is_like(whole)) {
-            return true;
-        }
-        let parts: Vec<&Candidate> = finer.iter().filter(|c| c.overlap(whole) > 0.9).collect();
-        let covered: f64 = parts.iter().map(|c| whole.overlap(c)).sum();
-        let apart: f64 = parts.iter().map(|c| beyond(c)).sum();
-        parts.len() > 1
-            && covered > 0.9
-            && beyond(whole) - apart < BY_CHANCE * noise * (parts.len() - 1) as f64
-            && parts.iter().all(|c| inner_edge(c, whole) < SEEN_SEAM)
-    })
-}
-
-/// The most edge along a side of a part that is none of the whole's.
-fn inner_edge(part: &Candidate, whole: &Candidate) -> f64 {
-    (0..4usize)
-        .filter(|&side| {
-            let axis = side / 2;
-            let line = |c: &Candidate| {
-                if side.is_multiple_of(2) {
-                    c.first[axis]
-                } else {
-                    c.first[axis] + c.cells[axis]
-                }
-            };
-            line(part).abs_diff(line(whole)) > 6
-        })
-        .map(|side| part.sides[side])
-        .fold(0.0, f64::max)
 }
 
 /// Distances in blocks over which noise is measured: that of a camera that smears goes on over many pixels.

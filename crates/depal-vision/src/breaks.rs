@@ -22,6 +22,9 @@ const NO_EDGE: f64 = 0.04;
 /// Sides that make an outline.
 const LEAST_OUTLINE: usize = 3;
 
+/// What an unneeded plane explains of noise alone is less than this, in variances of a block: three on the average.
+pub const BY_CHANCE: f64 = 30.0;
+
 /// Finds breaks on one patch.
 pub struct Breaks<'a> {
     relief: &'a Relief,
@@ -86,6 +89,21 @@ impl<'a> Breaks<'a> {
         })
     }
 
+    /// True when no line from side to side parts the candidate into two planes that explain its heights any better
+    /// than one does. Stricter than [`Breaks::within`]: cartons may be uneven, but one that is may as well be two.
+    pub fn is_one_plane(&self, candidate: &Candidate) -> bool {
+        let whole = self.relief.blocks_of(candidate);
+        (0..2).all(|axis| {
+            let (along, across) = (&whole[axis], &whole[1 - axis]);
+            (along.start + LEAST_PART..along.end.saturating_sub(LEAST_PART)).all(|cut| {
+                // The block at the cut may hold both.
+                let [low, high] = [along.start..cut, cut + 1..along.end]
+                    .map(|part| in_order(axis, part, across.clone()));
+                self.relief.gain_by_parting(&low, &high) < BY_CHANCE * self.noise
+            })
+        })
+    }
+
     /// True when the planes of two candidates that touch along side `side` (-X, +X, -Y, +Y) of the first do
     /// not meet there.
     pub fn between(&self, a: &Candidate, b: &Candidate, side: usize) -> bool {
@@ -113,10 +131,12 @@ impl<'a> Breaks<'a> {
     }
 
     /// True when what looks like a carton's outline is none: a break runs through it where gaps are seen too
-    /// badly for one inside to be seen, or its surface goes on beyond a side without edge or break.
-    pub fn refute(&self, patch: &Patch, candidate: &Candidate) -> bool {
+    /// badly for one inside to be seen, or its surface goes on beyond a side without edge or break. `doubtful`: it
+    /// may be smaller cartons whose gap does not show, however well the outer ones are seen.
+    pub fn refute(&self, patch: &Patch, candidate: &Candidate, doubtful: bool) -> bool {
         let weakest = candidate.sides.iter().copied().fold(f64::MAX, f64::min);
-        weakest < SEEN_WELL && (self.within(candidate) || needs_stripes(patch, candidate))
+        doubtful && !self.is_one_plane(candidate)
+            || weakest < SEEN_WELL && (self.within(candidate) || needs_stripes(patch, candidate))
             || (0..4).any(|side| {
                 candidate.sides[side] < 1.0 - NO_EDGE && self.goes_on(patch, candidate, side)
             })

@@ -7,6 +7,7 @@ use depal_frames::BoxSize;
 use crate::{
     breaks::Breaks,
     misfit::{Misfit, OVERFIT_BLOCKS, WORSE_BLOCKS, WORSE_SHARE, apart},
+    parts::is_part,
     patch::{BLOCK, Patch},
     relief::Relief,
     search::{Candidate, climb, extents, has_seam, measure},
@@ -17,6 +18,9 @@ use crate::{
 const MOST_TRIES: usize = 20_000;
 /// The same where the unknown makes many more possible.
 const MOST_TRIES_WITH_UNKNOWN: usize = 6_000;
+/// The same for cartons of several sizes, for which a layer of thirty needs a hundred: more mean that it can be read in
+/// too many ways.
+const MOST_TRIES_MIXED: usize = 2_000;
 /// Readings compared before deciding.
 const MOST_READINGS: usize = 16;
 /// While only a part is covered: a covering that is so far worse than the best one on the same blocks by so many
@@ -53,7 +57,9 @@ pub fn cover(
         relief,
         known: BTreeMap::new(),
         tries: 0,
-        most_tries: if unknown.is_some() {
+        most_tries: if sizes.len() > 1 {
+            MOST_TRIES_MIXED
+        } else if unknown.is_some() {
             MOST_TRIES_WITH_UNKNOWN
         } else {
             MOST_TRIES
@@ -189,6 +195,16 @@ impl Search<'_> {
                     .all(|p| p.overlap(candidate) < 0.04 && candidate.overlap(p) < 0.04)
             }));
         }
+        // Where cartons are told apart by their heights, a part of one is none: each of n cartons that two smaller ones
+        // would cover as well would double the number of readings.
+        if self.uneven.is_some() && self.mixed {
+            let all: Vec<Candidate> = options.iter().map(|(candidate, _)| *candidate).collect();
+            let breaks = Breaks::new(&self.relief, self.noise, 0.0);
+            options.retain(|(part, _)| {
+                !all.iter()
+                    .any(|whole| is_part(part, whole) && breaks.is_one_plane(whole))
+            });
+        }
         options.sort_by(|a, b| a.1.mean().total_cmp(&b.1.mean()));
         // What the best covering has changes with every complete one: sums are taken anew.
         for (candidate, more) in options {
@@ -224,14 +240,14 @@ impl Search<'_> {
 
     fn keep(&mut self, misfit: Misfit, placed: &[Candidate]) {
         let noise = self.noise;
-        let beyond = |m: &Misfit| m.beyond(noise);
-        if self.least.is_none_or(|l| beyond(&misfit) < beyond(&l)) {
+        let price = |m: &Misfit| m.price(noise);
+        if self.least.is_none_or(|l| price(&misfit) < price(&l)) {
             self.least = Some(misfit);
             self.expect(misfit.mean(), placed);
         }
         self.readings.push((misfit, placed.to_vec()));
         self.readings
-            .sort_by(|a, b| beyond(&a.0).total_cmp(&beyond(&b.0)));
+            .sort_by(|a, b| price(&a.0).total_cmp(&price(&b.0)));
         self.readings.truncate(MOST_READINGS);
     }
 

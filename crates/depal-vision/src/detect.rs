@@ -8,6 +8,7 @@ use crate::{
     bearers::{Board, refuse_boards},
     between_ends::place_between_ends,
     components::{Component, components},
+    doubles::refuse_doubles,
     fold::place_by_folds,
     gate::{DepthImage, gate},
     neighbours::neighbours,
@@ -238,6 +239,7 @@ fn find_boxes(
     keep_best(found, settings, detection);
     place_by_folds(&mut detection.boxes, image, settings);
     turn_together(&mut detection.boxes, &image.intrinsics);
+    refuse_doubles(image, settings, detection);
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.

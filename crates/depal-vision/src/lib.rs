@@ -27,16 +27,17 @@
 //! 4. `orientation`, `patch`: each piece resampled in its own axes, with running sums.
 //! 5. `search`: rectangles of the known sizes whose sides show edges.
 //! 6. `cover`: surfaces without visible gaps are covered exactly by the known sizes; `relief`, `arrange`: of
-//!    several such readings the one whose every carton is one plane; `breaks`: where two planes do not meet, two
-//!    cartons do; `unknown`: what is hidden or not measured may be part of one.
-//!    `measure`: tops of unknown size, where all four sides fall away; `parted`, `support`: which of them are one carton;
-//!    `again`: their sizes looked for where cartons hang together.
+//!    several such readings the one whose every carton is one plane; `parts`: what is one plane is no two smaller
+//!    cartons; `breaks`: where two planes do not meet, two cartons do; `unknown`: what is hidden or not measured may be
+//!    part of one. `measure`: tops of unknown size, where all four sides fall away; `parted`, `support`: which of them
+//!    are one carton; `again`: their sizes looked for where cartons hang together.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
 //!    `ends`: where a surface ends, whatever is lost of its outermost pixels; `between_ends`: cartons lie in the
 //!    middle. `fold`: rounded edges, by where the tops begin to fall. `inset`: how far inside the real edges this camera shows them.
 //!    `joint`: the cartons of a covering are placed together, by sides, by seams and by each other.
 //! 8. `verify`: size, wholeness, cover, tilt. `runs_on`: a top ends at its sides; a corner of a slab does not.
 //!    `bearers`: boards of the pallet are none. `turn_together`: what stands too close to be turned much.
+//!    `doubles`: two that look like one of another size; `gaps`: whether the gap between them could hide.
 //!    `obstacles`: what nothing reported explains.
 //!
 //! # Units and frames
@@ -58,8 +59,9 @@
 //! - Where something hides part of a surface without visible gaps, or tape runs over it, only those cartons are
 //!   reported that three sides prove each, by an edge or by a break in height towards the next one; on cartons that
 //!   lie quite level, none.
-//! - Two cartons side by side that make one plane to a few hundredths of a millimetre, without a visible gap, among
-//!   cartons that do not, are taken for one where a known size is as large as both.
+//! - Two cartons side by side that make one plane to a few hundredths of a millimetre, without a visible gap, are taken
+//!   for one where a known size is as large as both and the layer's other gaps and heights make that unlikely; where
+//!   they do not, such a size is not reported.
 //! - Depth steps smeared over many pixels are put back to where they are half way (`smear`); tops of a
 //!   lower layer beside a higher one are then often refused, and beyond fifteen pixels a side may be
 //!   20 mm off.
@@ -99,10 +101,12 @@ mod components;
 mod cover;
 mod detect;
 mod detection;
+mod doubles;
 mod edge_sums;
 mod ends;
 mod even;
 mod fold;
+mod gaps;
 mod gate;
 mod ink;
 mod inset;
@@ -119,6 +123,7 @@ mod outliers;
 mod outlined;
 mod overhang;
 mod parted;
+mod parts;
 mod patch;
 mod plane;
 mod relief;

@@ -69,6 +69,11 @@ fn noise_of(depth: &[f32], width: usize, lags: &[usize]) -> Option<f64> {
     sigmas.reduce(f64::max)
 }
 
+/// Standard deviation of a pixel's depth by noise, metres; `None` without enough pixels.
+pub fn noise_of_pixels(depth: &[f32], width: usize) -> Option<f64> {
+    noise_of(depth, width, &LAGS)
+}
+
 /// Median of the measured depths, metres.
 fn middle_depth(depth: &[f32]) -> Option<f64> {
     let stride = (depth.len() / SAMPLES).max(1) | 1;

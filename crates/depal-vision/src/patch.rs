@@ -129,7 +129,7 @@ impl Patch {
         for j in 0..rows {
             let along = y[0] + (j as f64 + 0.5) * pitch;
             let first = frame.point(x[0] + 0.5 * pitch, along);
-            row.fetch(image, first, frame.x * pitch);
+            row.fetch(image, &frame, first, frame.x * pitch);
             let edge = edges.row(j);
             row.classify(tolerance as f32, edge);
             for blank in blanks {

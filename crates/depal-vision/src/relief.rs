@@ -112,6 +112,15 @@ impl Relief {
         misfit_of(&self.sums_within(&i, &j))
     }
 
+    /// By how much less two planes, one for each of two rectangles of blocks, miss their heights than one plane for
+    /// both does, square metres.
+    pub fn gain_by_parting(&self, a: &[Range<usize>; 2], b: &[Range<usize>; 2]) -> f64 {
+        let [a, b] = [a, b].map(|r| self.sums_within(&r[0], &r[1]));
+        let both: Sums = std::array::from_fn(|k| a[k] + b[k]);
+        let [both, a, b] = [both, a, b].map(|sums| misfit_of(&sums).squares);
+        both - a - b
+    }
+
     /// The plane through the heights of some columns and rows of blocks; `None` of too few.
     pub fn fit(&self, i: Range<usize>, j: Range<usize>) -> Option<Fit> {
         let sums = self.sums_within(&i, &j);

@@ -4,13 +4,15 @@ use std::ops::Range;
 
 use depal_frames::{Point, Vector};
 
-use crate::{gate::DepthImage, spaced_points::SpacedPoints};
+use crate::{gate::DepthImage, plane::PlaneFrame, spaced_points::SpacedPoints};
 
 /// One row of cells: where they lie in the image, then what is there.
 pub struct ResampledRow {
     /// Index of the nearest pixel; [`OUTSIDE`] where there is none.
     pixel: Vec<i32>,
-    /// Measured minus expected depth; [`NOTHING`] and [`BEYOND`] where there is none.
+    /// Inverse depth of the plane where that pixel looks, per metre.
+    inverse: Vec<f32>,
+    /// How much deeper than the plane it is there; [`NOTHING`] and [`BEYOND`] where nothing is measured.
     deeper: Vec<f32>,
     /// What each cell is, one bit for each of the following.
     kind: Vec<u32>,
@@ -31,10 +33,42 @@ const OUTSIDE: i32 = -1;
 /// So many cells are looked up together where they lie along a row of pixels, one on each.
 const RUN: usize = 64;
 
-/// How much deeper a measured depth is than expected.
-#[inline(always)]
-fn beyond(z: f32, expected: f32) -> f32 {
-    if z == 0.0 { NOTHING } else { z - expected }
+/// A plane's inverse depth, which is affine in column and row of the image.
+#[derive(Clone, Copy)]
+struct Expected {
+    /// At the image's first pixel, from column to column and from row to row.
+    first: f32,
+    across: f32,
+    down: f32,
+    /// Depth at which the heights are as long as they are, metres.
+    at: f32,
+}
+
+impl Expected {
+    fn new(image: &DepthImage, frame: &PlaneFrame) -> Self {
+        let (k, coefficient) = (&image.intrinsics, &frame.plane.coefficient);
+        Self {
+            first: coefficient.dot(&k.ray(0.0, 0.0)) as f32,
+            across: (coefficient.x / k.fx) as f32,
+            down: (coefficient.y / k.fy) as f32,
+            at: frame.origin.z as f32,
+        }
+    }
+
+    /// Where the middle of a pixel looks.
+    #[inline(always)]
+    fn inverse(self, column: i32, row: i32) -> f32 {
+        (self.first + self.down * row as f32) + self.across * column as f32
+    }
+
+    /// How much deeper than the plane a measured depth is, as the same share of the depth at the frame's origin: by
+    /// how much a second plane is nearer than the first goes with the depth on the first, and only as a share of it is
+    /// the second one affine in the cells as well.
+    #[inline(always)]
+    fn beyond(self, z: f32, inverse: f32) -> f32 {
+        let deeper = (z * inverse - 1.0) * self.at;
+        if z == 0.0 { NOTHING } else { deeper }
+    }
 }
 
 /// Floor of a number of 0..2^22, by pushing its fraction out of the mantissa: a plain cast is checked
@@ -51,6 +85,7 @@ impl ResampledRow {
     pub fn new(columns: usize) -> Self {
         Self {
             pixel: vec![0; columns],
+            inverse: vec![0.0; columns],
             deeper: vec![0.0; columns],
             kind: vec![0; columns],
             on: vec![0; columns],
@@ -59,9 +94,11 @@ impl ResampledRow {
         }
     }
 
-    /// Cells at `first + i step` (camera frame).
+    /// Cells at `first + i step` (camera frame) on the plane of a frame, whose depth is taken where the middle of the
+    /// nearest pixel looks: on one that leans, half a pixel beside a cell it is another.
     #[inline(always)]
-    pub fn fetch(&mut self, image: &DepthImage, first: Point, step: Vector) {
+    pub fn fetch(&mut self, image: &DepthImage, frame: &PlaneFrame, first: Point, step: Vector) {
+        let plane = Expected::new(image, frame);
         let points = SpacedPoints::new(&image.intrinsics, first, step);
         let size = (image.width as f32, image.height as f32);
         let columns = self.deeper.len();
@@ -71,39 +108,50 @@ impl ResampledRow {
                 Some((column, row)) => {
                     let start = row * image.width + column;
                     let depths = &image.depth[start..start + end - from];
-                    for (k, (deeper, &z)) in
-                        self.deeper[from..end].iter_mut().zip(depths).enumerate()
-                    {
-                        *deeper = beyond(z, points.depth_at(from + k));
+                    let cells = self.deeper[from..end].iter_mut().zip(depths);
+                    for (k, (deeper, &z)) in cells.enumerate() {
+                        let inverse = plane.inverse(column as i32 + k as i32, row as i32);
+                        *deeper = plane.beyond(z, inverse);
                     }
                 }
-                None => self.fetch_each(image, &points, from..end),
+                None => self.fetch_each(image, plane, &points, from..end),
             }
         }
     }
 
     /// The same wherever the cells lie.
     #[inline(always)]
-    fn fetch_each(&mut self, image: &DepthImage, points: &SpacedPoints, cells: Range<usize>) {
+    fn fetch_each(
+        &mut self,
+        image: &DepthImage,
+        plane: Expected,
+        points: &SpacedPoints,
+        cells: Range<usize>,
+    ) {
         let (width, height) = (image.width as f32, image.height as f32);
         let stride = image.width as i32;
-        let (pixels, deeper) = (
+        let (pixels, inverses, deeper) = (
             &mut self.pixel[cells.clone()],
+            &mut self.inverse[cells.clone()],
             &mut self.deeper[cells.clone()],
         );
-        for (i, pixel) in cells.clone().zip(&mut *pixels) {
+        let places = pixels.iter_mut().zip(&mut *inverses);
+        for (i, (pixel, inverse)) in cells.zip(places) {
             let (u, v, _) = points.at(i);
             // False of NaN, too.
             let within = (u >= 0.0) & (v >= 0.0) & (u < width) & (v < height);
             let (u, v) = if within { (u, v) } else { (0.0, 0.0) };
-            let place = int(v) * stride + int(u);
+            let (column, row) = (int(u), int(v));
+            let place = row * stride + column;
             *pixel = if within { place } else { OUTSIDE };
+            *inverse = plane.inverse(column, row);
         }
         for (deeper, &pixel) in deeper.iter_mut().zip(&*pixels) {
             *deeper = image.depth[pixel.max(0) as usize];
         }
-        for (i, (deeper, &pixel)) in cells.zip(deeper.iter_mut().zip(&*pixels)) {
-            let there = beyond(*deeper, points.depth_at(i));
+        let places = pixels.iter().zip(&*inverses);
+        for (deeper, (&pixel, &inverse)) in deeper.iter_mut().zip(places) {
+            let there = plane.beyond(*deeper, inverse);
             *deeper = if pixel == OUTSIDE { BEYOND } else { there };
         }
     }

@@ -6,6 +6,7 @@ use crate::{
     blank::Blank,
     components::Component,
     cover::uncovered,
+    doubles::is_doubtful,
     even::is_even,
     gate::{DepthImage, LARGEST_DEPTH},
     joint::place_together,
@@ -265,7 +266,7 @@ impl Surface {
             return None;
         }
         let found = verify(image, settings, start, label as u32, turned, Proof::Outline).ok()?;
-        (found.proven_sides == 4).then_some(found)
+        (found.proven_sides == 4 && !is_doubtful(image, settings, &found)).then_some(found)
     }
 
     /// Boxes whose outline can be seen; `Err` when this is background.

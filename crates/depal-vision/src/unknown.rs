@@ -50,7 +50,7 @@ fn sums(image: &DepthImage, patch: &Patch, tolerance: f32) -> Kept<u32> {
     for j in 0..rows {
         let along = patch.bottom + (j as f64 + 0.5) * patch.pitch;
         let first = patch.frame.point(patch.left + 0.5 * patch.pitch, along);
-        row.fetch(image, first, patch.frame.x * patch.pitch);
+        row.fetch(image, &patch.frame, first, patch.frame.x * patch.pitch);
         for (cell, unknown) in cells.iter_mut().zip(row.unknown(tolerance)) {
             *cell = unknown;
         }
