@@ -42,10 +42,15 @@ impl<'a> Breaks<'a> {
         }
     }
 
-    /// True when two planes differ at a place (column, row of blocks) by more than noise and unevenness.
-    fn apart(&self, a: &Fit, b: &Fit, at: [f64; 2]) -> bool {
+    /// By how much two planes differ at a place (column, row of blocks), in what noise and unevenness do at most.
+    pub fn step(&self, a: &Fit, b: &Fit, at: [f64; 2]) -> f64 {
         let variance = self.noise * (a.spread(at) + b.spread(at));
-        (a.height(at) - b.height(at)).abs() > self.uneven.max(SIGMAS * variance.sqrt())
+        (a.height(at) - b.height(at)).abs() / self.uneven.max(SIGMAS * variance.sqrt())
+    }
+
+    /// True when they differ by more.
+    fn apart(&self, a: &Fit, b: &Fit, at: [f64; 2]) -> bool {
+        self.step(a, b, at) > 1.0
     }
 
     /// True when a line across the candidate parts it into two planes that do not meet there.
@@ -112,11 +117,14 @@ impl<'a> Breaks<'a> {
             })
     }
 
-    /// True when what looks like a carton's outline is none: a break runs through it where gaps are seen too
-    /// badly for one inside to be seen, or its surface goes on beyond a side without edge or break.
+    /// True when what looks like a carton's outline is none: where gaps are seen too badly for one inside to be seen,
+    /// a break runs through it or it needs the borders of stripes, or both; or its surface goes on beyond a side
+    /// without edge or break.
     pub fn refute(&self, patch: &Patch, candidate: &Candidate) -> bool {
         let weakest = candidate.sides.iter().copied().fold(f64::MAX, f64::min);
-        weakest < SEEN_WELL && (self.within(candidate) || needs_stripes(patch, candidate))
+        let doubts = [needs_stripes(patch, candidate), self.within(candidate)];
+        doubts == [true; 2]
+            || weakest < SEEN_WELL && doubts != [false; 2]
             || (0..4).any(|side| {
                 candidate.sides[side] < 1.0 - NO_EDGE && self.goes_on(patch, candidate, side)
             })

@@ -205,6 +205,13 @@ fn find_boxes(
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
+    // What leans against the others is no part of their coverings.
+    for surface in surfaces.iter().filter(|s| !s.solved) {
+        for mut part in surface.leaning(image, settings, smallest) {
+            let rejected = &mut detection.rejected;
+            covered.extend(part.cover(&mask, image, settings, &[], &[], rejected));
+        }
+    }
     place_by_insets(&mut found, image, settings);
     found.extend(covered);
     keep_best(found, settings, detection);

@@ -97,6 +97,7 @@ mod outlined;
 mod overhang;
 mod patch;
 mod plane;
+mod proven;
 mod relief;
 mod resample;
 mod seams;

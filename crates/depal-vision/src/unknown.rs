@@ -8,6 +8,8 @@ pub struct Unknown<'a> {
     patch: &'a Patch,
     /// Unknown cells of all cells below and left.
     sums: Vec<u32>,
+    /// Height of each cell over the patch's plane, metres; NaN where it is no surface.
+    heights: Vec<f32>,
 }
 
 impl<'a> Unknown<'a> {
@@ -19,6 +21,7 @@ impl<'a> Unknown<'a> {
         let mut sums = Vec::with_capacity((columns + 1) * (rows + 1));
         sums.extend_from_slice(&above);
         let mut cells = vec![0u8; columns];
+        let mut heights = Vec::with_capacity(columns * rows);
         for j in 0..rows {
             let along = patch.bottom + (j as f64 + 0.5) * patch.pitch;
             let first = patch.frame.point(patch.left + 0.5 * patch.pitch, along);
@@ -26,8 +29,12 @@ impl<'a> Unknown<'a> {
             for (cell, unknown) in cells.iter_mut().zip(row.unknown(tolerance as f32)) {
                 *cell = unknown;
             }
+            let first_height = heights.len();
+            heights.extend(row.heights(tolerance as f32));
             for blank in &patch.blanks {
-                cells[blank.cells(along, patch.left, patch.pitch, columns)].fill(0);
+                let blank = blank.cells(along, patch.left, patch.pitch, columns);
+                cells[blank.clone()].fill(0);
+                heights[first_height..][blank].fill(f32::NAN);
             }
             let mut sum = 0;
             for (&cell, total) in cells.iter().zip(&mut above[1..]) {
@@ -36,7 +43,19 @@ impl<'a> Unknown<'a> {
             }
             sums.extend_from_slice(&above);
         }
-        Self { patch, sums }
+        Self {
+            patch,
+            sums,
+            heights,
+        }
+    }
+
+    /// Height of a cell over the patch's plane, metres; `None` where it is no surface.
+    pub fn height(&self, i: isize, j: isize) -> Option<f64> {
+        let (i, j) = (usize::try_from(i).ok()?, usize::try_from(j).ok()?);
+        let inside = i < self.patch.columns && j < self.patch.rows;
+        let height = inside.then(|| self.heights[j * self.patch.columns + i])?;
+        (!height.is_nan()).then(|| f64::from(height))
     }
 
     /// Share of the cells `i0..i1` x `j0..j1` that is unknown; beyond the patch nothing is.
