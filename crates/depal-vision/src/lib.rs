@@ -87,6 +87,7 @@ mod gate;
 mod ink;
 mod inset;
 mod joint;
+mod lean;
 mod measure;
 mod misfit;
 mod neighbours;
