@@ -8,10 +8,11 @@ use crate::{
     gate::DepthImage,
     ink::dark_sides,
     patch::Patch,
-    proven::Proving,
+    proven::proven,
     relief::Relief,
     seams::{LEAST_LINE, SEEN_SEAM, any_seam, islands, seams_seen, touches, widest_gap},
     search::Candidate,
+    shown::Shown,
     unknown::Unknown,
 };
 
@@ -83,16 +84,15 @@ pub fn arrange(open: &Open, fixed: &[Candidate]) -> Option<Arrangement> {
     }
     let unknown = Unknown::new(image, patch, tolerance);
     let relief = Relief::new(patch);
-    let proving = Proving {
+    let shown = Shown {
         image,
         patch,
         tolerance,
-        sizes: open.sizes,
         relief: &relief,
         breaks: &Breaks::new(&relief, relief.noise(1), tolerance * UNEVEN),
         unknown: &unknown,
     };
-    let boxes = proving.all(fixed);
+    let boxes = proven(&shown, open.sizes, fixed);
     (!boxes.is_empty()).then_some(Arrangement {
         boxes,
         ambiguous: true,

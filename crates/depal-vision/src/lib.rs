@@ -105,6 +105,7 @@ mod seams;
 mod search;
 mod settings;
 mod settle;
+mod shown;
 mod sides;
 mod smear;
 mod spaced_points;

@@ -2,451 +2,253 @@
 //!
 //! Something hides a part of it, or one carton stands tilted: then no covering is exact. But each carton is one plane,
 //! and where it ends there is an edge, or its neighbour's plane, or a neighbour that is proven itself. A place where
-//! that holds on three sides, a known size apart, is a carton whatever lies elsewhere.
-
-use std::ops::Range;
+//! that holds on three sides, a known size apart, is a carton whatever lies elsewhere; so is one where it holds at a
+//! corner and all beyond the two other sides is hidden from exactly there on.
 
 use depal_frames::BoxSize;
 
 use crate::{
-    beyond::beyond,
-    breaks::{Breaks, ends_surface},
     cover::kinds,
-    gate::DepthImage,
-    patch::{BLOCK, Patch},
-    relief::{Fit, Relief},
-    seams::SEEN_SEAM,
-    search::{Candidate, has_seam, measure, side_edge},
-    settle::start_frame,
-    unknown::Unknown,
+    search::{Candidate, has_seam, measure},
+    shown::{REACH, Shown, in_order, line_of},
 };
 
 /// So many sides must show; the fourth may be hidden, or meet a neighbour that lies quite level with it.
 const LEAST_SHOWN: usize = 3;
 /// Places are tried so many cells apart; where sides really are is then measured.
 const STRIDE: usize = 8;
-/// How far from where it is tried a side is looked for, cells.
-const REACH: isize = 6;
 /// Two sides that lie by more than that nearer or farther than a size apart are not those of one carton, cells.
 const SIZE_OFF: isize = 3;
-/// How clearly a side shows that is all edge, in the least steps that count.
-const EDGE: f64 = 20.0;
 /// Overlap of two cartons that inexact places make.
 const OVERLAP: f64 = 0.05;
+/// Share of a place that must be surface or unknown.
+const WHOLE: f64 = 0.96;
 
-/// A surface on which single cartons are proven.
-pub struct Proving<'a> {
-    pub image: &'a DepthImage<'a>,
-    pub patch: &'a Patch,
-    /// How far a pixel may lie from its carton's plane, metres.
-    pub tolerance: f64,
-    pub sizes: &'a [BoxSize],
-    pub relief: &'a Relief,
-    pub breaks: &'a Breaks<'a>,
-    pub unknown: &'a Unknown<'a>,
-}
-
-/// A place, what shows there, and how clearly.
+/// A place, how many of its sides show, and how clearly.
 #[derive(Clone, Copy)]
 struct Place {
     candidate: Candidate,
-    shown: [bool; 4],
+    sides: usize,
     strength: f64,
 }
 
-/// What shows that a carton ends at a side.
-struct End {
-    /// The line, in cells along the axis.
-    line: isize,
-    strength: f64,
+/// What a side without an end in sight looks like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Open {
+    /// The surface reaches it, and goes on or is not known.
+    Reached,
+    /// The surface reaches it, and what lies beyond is hidden or not measured.
+    Hidden,
+    /// The surface ends before it.
+    Short,
 }
 
-impl Place {
-    fn sides(&self) -> usize {
-        self.shown.iter().filter(|s| **s).count()
+/// All cartons of the known sizes that are proven, those given as fixed not among them.
+pub fn proven(shown: &Shown, sizes: &[BoxSize], fixed: &[Candidate]) -> Vec<Candidate> {
+    let patch = shown.patch;
+    let kinds = kinds(patch, sizes);
+    let mut open: Vec<Candidate> = Vec::new();
+    for &(label, turned, cells) in &kinds {
+        if cells[0] > patch.columns || cells[1] > patch.rows {
+            continue;
+        }
+        for j in (0..=patch.rows - cells[1]).step_by(STRIDE) {
+            for i in (0..=patch.columns - cells[0]).step_by(STRIDE) {
+                open.extend(candidate(shown, label, turned, [i, j], cells));
+            }
+        }
     }
+    let mut placed = fixed.to_vec();
+    // A neighbour that is proven proves a side in turn: what is not near a new one has been looked at.
+    let mut new: Option<Vec<Candidate>> = None;
+    loop {
+        let free = |c: &Candidate| placed.iter().all(|p| p.overlap(c).max(c.overlap(p)) < 0.3);
+        open.retain(free);
+        let is_new = |c: &&Candidate| {
+            let new = new.as_ref();
+            new.is_none_or(|new| new.iter().any(|n| is_near(c, n)))
+        };
+        let mut found: Vec<Place> = open
+            .iter()
+            .filter(is_new)
+            .filter_map(|c| prove(shown, *c, &placed, &kinds))
+            .collect();
+        found.sort_by(|a, b| {
+            let by_sides = b.sides.cmp(&a.sides);
+            by_sides
+                .then(b.strength.total_cmp(&a.strength))
+                .then(a.candidate.first.cmp(&b.candidate.first))
+        });
+        let before = placed.len();
+        for Place { candidate: c, .. } in found {
+            let clear = |p: &Candidate| p.overlap(&c).max(c.overlap(p)) < OVERLAP;
+            if placed.iter().all(clear) {
+                placed.push(c);
+            }
+        }
+        if placed.len() == before {
+            break;
+        }
+        new = Some(placed[before..].to_vec());
+    }
+    placed.split_off(fixed.len())
 }
 
-impl Proving<'_> {
-    /// All cartons that are proven, those given as fixed not among them.
-    pub fn all(&self, fixed: &[Candidate]) -> Vec<Candidate> {
-        let mut open: Vec<Candidate> = Vec::new();
-        for (label, turned, cells) in kinds(self.patch, self.sizes) {
-            if cells[0] > self.patch.columns || cells[1] > self.patch.rows {
-                continue;
-            }
-            for j in (0..=self.patch.rows - cells[1]).step_by(STRIDE) {
-                for i in (0..=self.patch.columns - cells[0]).step_by(STRIDE) {
-                    open.extend(self.candidate(label, turned, [i, j], cells));
-                }
-            }
-        }
-        let mut placed = fixed.to_vec();
-        // A neighbour that is proven proves a side in turn.
-        loop {
-            let free = |c: &Candidate| placed.iter().all(|p| p.overlap(c).max(c.overlap(p)) < 0.3);
-            open.retain(free);
-            let mut found: Vec<Place> = open
-                .iter()
-                .filter_map(|c| self.prove(*c, &placed))
-                .collect();
-            found.sort_by(|a, b| {
-                let by_sides = b.sides().cmp(&a.sides());
-                by_sides
-                    .then(b.strength.total_cmp(&a.strength))
-                    .then(a.candidate.first.cmp(&b.candidate.first))
-            });
-            let before = placed.len();
-            for place in found {
-                let c = &place.candidate;
-                if placed
-                    .iter()
-                    .all(|p| p.overlap(c).max(c.overlap(p)) < OVERLAP)
-                {
-                    placed.push(*c);
-                }
-            }
-            if placed.len() == before {
-                break;
-            }
-        }
-        placed.split_off(fixed.len())
-    }
+/// True when one may show a side of the other.
+fn is_near(a: &Candidate, b: &Candidate) -> bool {
+    let slack = 3 * REACH as usize;
+    (0..2).all(|k| {
+        a.first[k] <= b.first[k] + b.cells[k] + slack
+            && b.first[k] <= a.first[k] + a.cells[k] + slack
+    })
+}
 
-    /// A place that one carton may fill: one plane as far as it is known.
-    fn candidate(
-        &self,
-        label: u32,
-        turned: bool,
-        first: [usize; 2],
-        cells: [usize; 2],
-    ) -> Option<Candidate> {
-        /// Share that must be known to be surface, and that with what is unknown.
-        const LEAST_SEEN: f64 = 0.5;
-        const WHOLE: f64 = 0.96;
-        let [i0, j0] = first.map(|v| v as isize);
-        let (i1, j1) = (i0 + cells[0] as isize, j0 + cells[1] as isize);
-        let rim = self.patch.rim.max(STRIDE / 2) as isize;
-        let (i0, i1, j0, j1) = (i0 + rim, i1 - rim, j0 + rim, j1 - rim);
-        let seen = self.patch.surface(i0, j0, i1, j1);
-        if seen < LEAST_SEEN || seen + self.unknown.share(i0, j0, i1, j1) < WHOLE {
+/// A place that one carton may fill: one plane as far as it is known.
+fn candidate(
+    shown: &Shown,
+    label: u32,
+    turned: bool,
+    first: [usize; 2],
+    cells: [usize; 2],
+) -> Option<Candidate> {
+    /// Share that must be known to be surface.
+    const LEAST_SEEN: f64 = 0.5;
+    let (seen, known) = shares(shown, first.map(|v| v as isize), cells);
+    if seen < LEAST_SEEN || known < WHOLE {
+        return None;
+    }
+    let candidate = measure(shown.patch, label, turned, first, cells, 0.0)?;
+    (!shown.breaks.within(&candidate)).then_some(candidate)
+}
+
+/// Share of a place that is surface, and that with what is unknown, its rim left out.
+fn shares(shown: &Shown, first: [isize; 2], cells: [usize; 2]) -> (f64, f64) {
+    let Shown { patch, unknown, .. } = shown;
+    let rim = patch.rim.max(STRIDE / 2) as isize;
+    let [i0, j0] = first.map(|v| v + rim);
+    let [i1, j1] = [0, 1].map(|k| first[k] + cells[k] as isize - rim);
+    let seen = patch.surface(i0, j0, i1, j1);
+    (seen, seen + unknown.share(i0, j0, i1, j1))
+}
+
+/// Moves a candidate to where its sides show; `None` where too few do, or not its size apart.
+fn prove(
+    shown: &Shown,
+    start: Candidate,
+    placed: &[Candidate],
+    kinds: &[(u32, bool, [usize; 2])],
+) -> Option<Place> {
+    const ROUNDS: usize = 3;
+    let mut at = start;
+    for _ in 0..ROUNDS {
+        let ends = [0, 1, 2, 3].map(|side| shown.end(&at, side, placed));
+        let sides = ends.iter().flatten().count();
+        if sides < LEAST_SHOWN - 1 {
             return None;
         }
-        let candidate = measure(self.patch, label, turned, first, cells, 0.0)?;
-        (!self.breaks.within(&candidate)).then_some(candidate)
-    }
-
-    /// Moves a candidate to where its sides show; `None` where too few do, or not its size apart.
-    fn prove(&self, start: Candidate, placed: &[Candidate]) -> Option<Place> {
-        const ROUNDS: usize = 3;
-        let mut at = start;
-        for round in 0..ROUNDS {
-            let ends = [0, 1, 2, 3].map(|side| self.end(&at, side, placed));
-            if ends.iter().filter(|e| e.is_some()).count() < LEAST_SHOWN {
-                return None;
-            }
-            let mut first = at.first;
-            for axis in 0..2 {
-                let low = ends[2 * axis].as_ref().map(|e| e.line);
-                let length = at.cells[axis] as isize;
-                let high = ends[2 * axis + 1].as_ref().map(|e| e.line - length);
-                let line = match (low, high) {
-                    (Some(low), Some(high)) if (low - high).abs() <= SIZE_OFF => {
-                        (low + high).div_euclid(2)
-                    }
-                    (Some(line), None) | (None, Some(line)) => line,
-                    _ => return None,
-                };
-                first[axis] = usize::try_from(line).ok()?;
-            }
-            let moved = (0..2).any(|k| first[k].abs_diff(at.first[k]) > 1);
-            at = self.candidate(at.label, at.turned, first, at.cells)?;
-            if !moved {
-                let shown = ends.each_ref().map(Option::is_some);
-                if (0..4).any(|side| !shown[side] && !self.may_end(&at, side)) {
-                    return None;
+        let mut first = at.first;
+        for axis in 0..2 {
+            let low = ends[2 * axis].as_ref().map(|e| e.line);
+            let length = at.cells[axis] as isize;
+            let high = ends[2 * axis + 1].as_ref().map(|e| e.line - length);
+            let line = match (low, high) {
+                (Some(low), Some(high)) if (low - high).abs() <= SIZE_OFF => {
+                    (low + high).div_euclid(2)
                 }
-                let strength = ends.iter().flatten().map(|e| e.strength).sum();
-                return (!has_seam(self.patch, &at)).then_some(Place {
-                    candidate: at,
-                    shown,
-                    strength,
-                });
-            }
-            if round + 1 == ROUNDS {
-                break;
-            }
+                (Some(line), None) | (None, Some(line)) => line,
+                _ => return None,
+            };
+            first[axis] = usize::try_from(line).ok()?;
         }
-        None
-    }
-
-    /// True when the surface reaches a side, as far as it is known: a carton ends there, if nothing shows it either.
-    fn may_end(&self, c: &Candidate, side: usize) -> bool {
-        const INSIDE: isize = 6;
-        const MOST_MISSING: f64 = 0.1;
-        let (axis, across) = (side / 2, 1 - side / 2);
-        let line = line_of(c, side);
-        let ends = if side.is_multiple_of(2) {
-            [line, line + INSIDE]
-        } else {
-            [line - INSIDE, line]
+        let moved = (0..2).any(|k| first[k].abs_diff(at.first[k]) > 1);
+        at = candidate(shown, at.label, at.turned, first, at.cells)?;
+        if moved {
+            continue;
+        }
+        let looks = [0, 1, 2, 3].map(|side| match &ends[side] {
+            Some(_) => None,
+            None => Some(look(shown, &at, side)),
+        });
+        let hidden = looks.map(|look| look == Some(Open::Hidden));
+        // A corner shows where a carton is, and what is hidden from its size on how large it is.
+        let corner = || {
+            let own = ends.iter().flatten().all(|e| e.strength >= 1.0);
+            own && hidden.iter().filter(|h| **h).count() == 2
         };
-        let rim = self.patch.rim as isize;
-        let low = c.first[across] as isize + rim;
-        let high = (c.first[across] + c.cells[across]) as isize - rim;
-        let [i0, j0] = in_order(axis, ends[0], low);
-        let [i1, j1] = in_order(axis, ends[1], high);
-        let known = self.patch.surface(i0, j0, i1, j1) + self.unknown.share(i0, j0, i1, j1);
-        known >= 1.0 - MOST_MISSING
-    }
-
-    /// Where a carton ends close to a side of a candidate, if anything shows it.
-    fn end(&self, c: &Candidate, side: usize, placed: &[Candidate]) -> Option<End> {
-        /// With less of an edge a step tells better where it is.
-        const PLAIN_EDGE: f64 = 0.3;
-        let edge = self.edge(c, side);
-        if edge
-            .as_ref()
-            .is_some_and(|e| e.strength >= EDGE * PLAIN_EDGE)
+        let short = looks.contains(&Some(Open::Short));
+        if short
+            || sides < LEAST_SHOWN && !corner()
+            || may_be_larger(shown, &at, hidden, kinds)
+            || has_seam(shown.patch, &at)
         {
-            return edge;
+            return None;
         }
-        self.step(c, side)
-            .or(edge)
-            .or_else(|| Self::neighbour(c, side, placed))
+        return Some(Place {
+            candidate: at,
+            sides,
+            strength: ends.iter().flatten().map(|e| e.strength).sum(),
+        });
     }
+    None
+}
 
-    /// An edge that is not the border of a shadow, of tape, or of something nearer.
-    fn edge(&self, c: &Candidate, side: usize) -> Option<End> {
-        /// So many cells inside tell what crosses it; those next to it may be lost.
-        const LOOK: isize = 6;
-        const LOST: isize = 3;
-        let (share, off) = (-REACH..=REACH)
-            .map(|off| (side_edge(self.patch, c.first, c.cells, side, off), off))
-            .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.abs().cmp(&a.1.abs())))?;
-        let axis = side / 2;
-        let mut first = c.first;
-        first[axis] = c.first[axis].checked_add_signed(off)?;
-        let moved = Candidate { first, ..*c };
-        // What is not measured inside as well, as tape across the side, is no edge of it.
-        let share = share - self.unknown_along(&moved, side, -LOOK - LOST..-LOST);
-        let is_surface = ends_surface(self.patch, &moved, side);
-        let is_edge = share >= SEEN_SEAM && is_surface && self.falls_away(&moved, side);
-        is_edge.then(|| End {
-            line: line_of(&moved, side),
-            strength: EDGE * share,
-        })
-    }
-
-    /// True unless what begins beyond a side is unknown: a shadow that something nearer throws, or tape. The shadow
-    /// of the carton itself falls on something deeper.
-    fn falls_away(&self, c: &Candidate, side: usize) -> bool {
-        /// So many cells beyond it tell whether that is known.
-        const LOOK: isize = 6;
-        const HALF: f64 = 0.5;
-        if self.unknown_along(c, side, 0..LOOK) <= HALF {
-            return true;
-        }
-        let frame = start_frame(self.patch, c);
-        let extents = c.cells.map(|n| n as f64 * self.patch.pitch);
-        let sign = if side.is_multiple_of(2) { -1.0 } else { 1.0 };
-        let at = (side / 2, sign);
-        beyond(self.image, &frame, extents, at, self.tolerance).open > HALF
-    }
-
-    /// Share of unknown cells along a side, in a strip outwards from it.
-    fn unknown_along(&self, c: &Candidate, side: usize, out: Range<isize>) -> f64 {
-        let (axis, across) = (side / 2, 1 - side / 2);
-        let line = line_of(c, side);
-        let ends = if side.is_multiple_of(2) {
-            [line - out.end, line - out.start]
+/// What a side looks like that nothing shows.
+fn look(shown: &Shown, c: &Candidate, side: usize) -> Open {
+    const INSIDE: isize = 6;
+    const MOST_MISSING: f64 = 0.1;
+    let (axis, across) = (side / 2, 1 - side / 2);
+    let rim = shown.patch.rim as isize;
+    let low = c.first[across] as isize + rim;
+    let high = (c.first[across] + c.cells[across]) as isize - rim;
+    let line = line_of(c, side);
+    // Seen, and that with what is unknown, of a strip from so far to so far outwards.
+    let strip = |from: isize, to: isize| {
+        let [from, to] = if side.is_multiple_of(2) {
+            [line - to, line - from]
         } else {
-            [line + out.start, line + out.end]
+            [line + from, line + to]
         };
-        let (low, high) = (
-            c.first[across] as isize,
-            (c.first[across] + c.cells[across]) as isize,
-        );
-        let [i0, j0] = in_order(axis, ends[0], low);
-        let [i1, j1] = in_order(axis, ends[1], high);
-        self.unknown.share(i0, j0, i1, j1)
+        let [i0, j0] = in_order(axis, from, low);
+        let [i1, j1] = in_order(axis, to, high);
+        let seen = shown.patch.surface(i0, j0, i1, j1);
+        (seen, seen + shown.unknown.share(i0, j0, i1, j1))
+    };
+    if strip(-INSIDE, 0).1 < 1.0 - MOST_MISSING {
+        return Open::Short;
     }
-
-    /// A plane beyond the side that is not the candidate's own.
-    fn step(&self, c: &Candidate, side: usize) -> Option<End> {
-        /// Blocks beyond the side that are taken together, and the least that may be.
-        const STRIP: usize = 5;
-        const LEAST_STRIP: usize = 2;
-        /// Shorter stretches of a side tell little, blocks.
-        const LEAST_STRETCH: usize = 4;
-        /// Share of a step that must show directly at the side, too.
-        const HOLDS: f64 = 0.5;
-        /// Share of the blocks of a strip that must be surface.
-        const FILLED: f64 = 0.6;
-        let axis = side / 2;
-        let own = self.relief.blocks_of(c).map(inner);
-        let plane = self.relief.fit(own[0].clone(), own[1].clone())?;
-        let line = line_of(c, side);
-        // Blocks that the side may run through are left out.
-        let beyond = if side.is_multiple_of(2) {
-            let end = usize::try_from(line - REACH / 2).ok()? / BLOCK;
-            end.saturating_sub(STRIP)..end
-        } else {
-            let start = usize::try_from(line + REACH / 2).ok()?.div_ceil(BLOCK);
-            start..(start + STRIP).min(self.relief.size()[axis])
-        };
-        if beyond.len() < LEAST_STRIP {
-            return None;
-        }
-        let inside = if side.is_multiple_of(2) {
-            own[axis].start..own[axis].end.min(own[axis].start + STRIP)
-        } else {
-            own[axis].start.max(own[axis].end.saturating_sub(STRIP))..own[axis].end
-        };
-        // Two cartons may lie beyond.
-        let across = own[1 - axis].clone();
-        let middle = across.start.midpoint(across.end);
-        let mut diffs = [0.0; 2 * REACH as usize];
-        let mut strength = 0.0f64;
-        for stretch in [across.start..middle, middle..across.end] {
-            if stretch.len() < LEAST_STRETCH {
-                continue;
-            }
-            let [i, j] = in_order(axis, beyond.clone(), stretch.clone());
-            let whole = (i.len() * j.len()) as f64;
-            if (self.relief.filled(&i, &j) as f64) < FILLED * whole {
-                continue;
-            }
-            let Some(next) = self.relief.fit(i, j) else {
-                continue;
-            };
-            let at = line as f64 / BLOCK as f64 - 0.5;
-            let [i, j] = in_order(axis, inside.clone(), stretch.clone());
-            let Some(close) = self.relief.fit(i, j) else {
-                continue;
-            };
-            let apart = [stretch.start, stretch.end - 1]
-                .map(|end| in_order(axis, at, end as f64))
-                .into_iter()
-                // A plane through parts of two cartons is off where it ends, but what lies there is not.
-                .filter(|&end| {
-                    let [own, close] = [&plane, &close].map(|p| p.height(end) - next.height(end));
-                    close * own.signum() > HOLDS * own.abs()
-                })
-                .map(|end| self.breaks.step(&plane, &next, end))
-                .fold(0.0, f64::max);
-            if apart > 1.0 {
-                strength = strength.max(apart);
-                self.tell_apart(&plane, &next, axis, side, line, &stretch, &mut diffs);
-            }
-        }
-        if strength == 0.0 {
-            return None;
-        }
-        // Outwards: what is the carton's own lowers the sum, what is not raises it.
-        let (mut sum, mut least, mut place) = (0.0, 0.0, 0);
-        for (n, diff) in diffs.iter().enumerate() {
-            sum += diff;
-            if sum < least {
-                (least, place) = (sum, n as isize + 1);
-            }
-        }
-        let out = place - REACH;
-        if out.abs() >= REACH {
-            return None;
-        }
-        let sign = if side.is_multiple_of(2) { -1 } else { 1 };
-        Some(End {
-            line: line + sign * out,
-            strength: strength.min(5.0),
-        })
-    }
-
-    /// Adds for each cell across a line, from inside to outside, by how much it fits `own` better than `next`.
-    fn tell_apart(
-        &self,
-        own: &Fit,
-        next: &Fit,
-        axis: usize,
-        side: usize,
-        line: isize,
-        stretch: &Range<usize>,
-        diffs: &mut [f64],
-    ) {
-        let in_blocks = |cell: isize| (cell as f64 + 0.5) / BLOCK as f64 - 0.5;
-        for (n, diff) in diffs.iter_mut().enumerate() {
-            let out = n as isize - REACH;
-            let cell = if side.is_multiple_of(2) {
-                line - 1 - out
-            } else {
-                line + out
-            };
-            for along in stretch.start * BLOCK..stretch.end * BLOCK {
-                let [i, j] = in_order(axis, cell, along as isize);
-                let Some(height) = self.unknown.height(i, j) else {
-                    continue;
-                };
-                let at = [in_blocks(i), in_blocks(j)];
-                let off = |fit: &Fit| (height - fit.height(at)).powi(2);
-                *diff += off(own) - off(next);
-            }
-        }
-    }
-
-    /// A proven carton that begins there.
-    fn neighbour(c: &Candidate, side: usize, placed: &[Candidate]) -> Option<End> {
-        /// Share of the side that it must meet.
-        const MET: f64 = 0.6;
-        let across = 1 - side / 2;
-        let line = line_of(c, side);
-        let facing = side ^ 1;
-        let beside = |p: &&Candidate| (line_of(p, facing) - line).abs() <= REACH;
-        let met = |p: &Candidate| {
-            let low = p.first[across].max(c.first[across]);
-            let high = (p.first[across] + p.cells[across]).min(c.first[across] + c.cells[across]);
-            high.saturating_sub(low) as f64
-        };
-        let near = || placed.iter().filter(beside);
-        let share = near().map(met).sum::<f64>() / c.cells[across] as f64;
-        if share < MET {
-            return None;
-        }
-        let lines: f64 = near().map(|p| met(p) * line_of(p, facing) as f64).sum();
-        let line = (lines / near().map(met).sum::<f64>()).round();
-        Some(End {
-            line: line as isize,
-            strength: 0.5,
-        })
+    // Where it ends is known to some cells.
+    let (inside, _) = strip(-INSIDE - SIZE_OFF, -SIZE_OFF);
+    let (seen, known) = strip(SIZE_OFF, SIZE_OFF + INSIDE);
+    if inside >= 1.0 - MOST_MISSING && known - seen >= 1.0 - MOST_MISSING {
+        Open::Hidden
+    } else {
+        Open::Reached
     }
 }
 
-/// Where a side lies along its axis, cells.
-fn line_of(c: &Candidate, side: usize) -> isize {
-    let axis = side / 2;
-    let low = c.first[axis] as isize;
-    if side.is_multiple_of(2) {
-        low
-    } else {
-        low + c.cells[axis] as isize
+/// True when a larger known size fills the place as well and goes on where it is hidden.
+fn may_be_larger(
+    shown: &Shown,
+    c: &Candidate,
+    hidden: [bool; 4],
+    kinds: &[(u32, bool, [usize; 2])],
+) -> bool {
+    if hidden == [false; 4] {
+        return false;
     }
-}
-
-/// Without the outermost blocks, which may hold a part of a neighbour.
-fn inner(blocks: Range<usize>) -> Range<usize> {
-    /// Fewer blocks than this are left as they are.
-    const MANY: usize = 8;
-    if blocks.len() >= MANY {
-        blocks.start + 1..blocks.end - 1
-    } else {
-        blocks
-    }
-}
-
-/// Along an axis first, then across it, as X and Y.
-fn in_order<T>(axis: usize, along: T, across: T) -> [T; 2] {
-    if axis == 0 {
-        [along, across]
-    } else {
-        [across, along]
-    }
+    kinds.iter().any(|(_, _, cells)| {
+        let longer = [0, 1].map(|k| cells[k] as isize - c.cells[k] as isize);
+        // Along an axis without a hidden side the size shows.
+        let fits = (0..2).all(|k| {
+            longer[k].abs() <= SIZE_OFF || longer[k] > 0 && (hidden[2 * k] || hidden[2 * k + 1])
+        });
+        if !fits || longer.iter().all(|l| l.abs() <= SIZE_OFF) {
+            return false;
+        }
+        let first = [0, 1].map(|k| {
+            let back = if hidden[2 * k] { longer[k].max(0) } else { 0 };
+            c.first[k] as isize - back
+        });
+        shares(shown, first, *cells).1 >= WHOLE
+    })
 }
