@@ -89,7 +89,11 @@ pub fn arrange(open: &Open, fixed: &[Candidate]) -> Option<Arrangement> {
         patch,
         tolerance,
         relief: &relief,
-        breaks: &Breaks::new(&relief, relief.noise(1), tolerance * UNEVEN),
+        breaks: &Breaks::new(
+            &relief,
+            relief.noise(1).max(relief.noise(2)),
+            tolerance * UNEVEN,
+        ),
         unknown: &unknown,
     };
     let boxes = proven(&shown, open.sizes, fixed);

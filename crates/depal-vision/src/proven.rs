@@ -10,7 +10,7 @@ use depal_frames::BoxSize;
 use crate::{
     cover::kinds,
     search::{Candidate, has_seam, measure},
-    shown::{REACH, Shown, in_order, line_of},
+    shown::{End, NEIGHBOUR, REACH, Shown, in_order, line_of},
 };
 
 /// So many sides must show; the fourth may be hidden, or meet a neighbour that lies quite level with it.
@@ -21,6 +21,8 @@ const STRIDE: usize = 8;
 const SIZE_OFF: isize = 3;
 /// Overlap of two cartons that inexact places make.
 const OVERLAP: f64 = 0.05;
+/// A step shows clearly from so many of the least steps that count on.
+const CLEAR: f64 = 1.0;
 /// Share of a place that must be surface or unknown.
 const WHOLE: f64 = 0.96;
 
@@ -172,11 +174,20 @@ fn prove(
         let hidden = looks.map(|look| look == Some(Open::Hidden));
         // A corner shows where a carton is, and what is hidden from its size on how large it is.
         let corner = || {
-            let own = ends.iter().flatten().all(|e| e.strength >= 1.0);
+            let own = ends.iter().flatten().all(|e| e.strength >= CLEAR);
             own && hidden.iter().filter(|h| **h).count() == 2
         };
-        let short = looks.contains(&Some(Open::Short));
-        if short
+        // A neighbour that meets it level is as large as any.
+        let narrowest = kinds.iter().flat_map(|k| k.2).min().unwrap_or(0);
+        let wrong = |(side, look): (usize, &Option<Open>)| match look {
+            Some(Open::Short) => true,
+            Some(Open::Reached) => shown.ends_beyond(&at, side, narrowest / 2),
+            Some(Open::Hidden) | None => false,
+        };
+        // Without all four, each must show clearly: the ground, too, has noise and is not quite flat.
+        let faint = |e: &End| (NEIGHBOUR + f64::EPSILON..CLEAR).contains(&e.strength);
+        if looks.iter().enumerate().any(wrong)
+            || sides < 4 && ends.iter().flatten().any(faint)
             || sides < LEAST_SHOWN && !corner()
             || may_be_larger(shown, &at, hidden, kinds)
             || has_seam(shown.patch, &at)

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::{
-    beyond::beyond,
+    beyond::{WIDEST_BLIND_GAP, beyond},
     breaks::{Breaks, ends_surface},
     gate::DepthImage,
     patch::{BLOCK, Patch},
@@ -18,6 +18,11 @@ use crate::{
 pub const REACH: isize = 6;
 /// How clearly a side shows that is all edge, in the least steps that count.
 const EDGE: f64 = 20.0;
+
+/// So many cells on both sides of a step must lie on the planes that make it.
+const CLOSE: isize = 8;
+/// How clearly a proven neighbour shows a side.
+pub const NEIGHBOUR: f64 = 0.5;
 
 /// What shows that a carton ends at a side.
 pub struct End {
@@ -82,14 +87,44 @@ impl Shown<'_> {
         })
     }
 
+    /// True when the surface ends with an edge not farther than so many cells beyond a side: then it is no side.
+    pub fn ends_beyond(&self, c: &Candidate, side: usize, cells: usize) -> bool {
+        let axis = side / 2;
+        let outwards = if side.is_multiple_of(2) { -1 } else { 1 };
+        (1..)
+            .map(|n| n * (2 * REACH + 1))
+            .take_while(|&out| out - REACH <= cells as isize)
+            .filter_map(|out| {
+                let mut moved = *c;
+                moved.first[axis] = c.first[axis].checked_add_signed(outwards * out)?;
+                let inside = moved.first[axis] + c.cells[axis] <= self.size(axis);
+                inside.then_some(moved)
+            })
+            .any(|moved| self.edge(&moved, side).is_some())
+    }
+
+    fn size(&self, axis: usize) -> usize {
+        [self.patch.columns, self.patch.rows][axis]
+    }
+
     /// True unless what begins beyond a side is unknown: a shadow that something nearer throws, or tape. The shadow
     /// of the carton itself falls on something deeper.
     fn falls_away(&self, c: &Candidate, side: usize) -> bool {
-        /// So many cells beyond it tell whether that is known.
+        /// So many cells tell whether something is known.
         const LOOK: isize = 6;
         const HALF: f64 = 0.5;
-        if self.unknown_along(c, side, 0..LOOK) <= HALF {
+        /// Those next to a side may be lost.
+        const LOST: isize = 3;
+        /// Tape of which some pixels are measured shows more surface than that, a gap none.
+        const NO_SURFACE: f64 = 0.03;
+        let unknown = |out: Range<isize>| self.unknown_along(c, side, out);
+        if unknown(0..LOOK) <= HALF {
             return true;
+        }
+        let gap = (WIDEST_BLIND_GAP / self.patch.pitch).ceil() as isize;
+        let [i0, j0, i1, j1] = along(c, side, LOST..gap);
+        if unknown(gap..gap + LOOK) > HALF && self.patch.surface(i0, j0, i1, j1) > NO_SURFACE {
+            return false;
         }
         let frame = start_frame(self.patch, c);
         let extents = c.cells.map(|n| n as f64 * self.patch.pitch);
@@ -100,19 +135,7 @@ impl Shown<'_> {
 
     /// Share of unknown cells along a side, in a strip outwards from it.
     fn unknown_along(&self, c: &Candidate, side: usize, out: Range<isize>) -> f64 {
-        let (axis, across) = (side / 2, 1 - side / 2);
-        let line = line_of(c, side);
-        let ends = if side.is_multiple_of(2) {
-            [line - out.end, line - out.start]
-        } else {
-            [line + out.start, line + out.end]
-        };
-        let (low, high) = (
-            c.first[across] as isize,
-            (c.first[across] + c.cells[across]) as isize,
-        );
-        let [i0, j0] = in_order(axis, ends[0], low);
-        let [i1, j1] = in_order(axis, ends[1], high);
+        let [i0, j0, i1, j1] = along(c, side, out);
         self.unknown.share(i0, j0, i1, j1)
     }
 
@@ -123,8 +146,6 @@ impl Shown<'_> {
         const LEAST_STRIP: usize = 2;
         /// Shorter stretches of a side tell little, blocks.
         const LEAST_STRETCH: usize = 4;
-        /// Share of a step that must show directly at the side, too.
-        const HOLDS: f64 = 0.5;
         /// Share of the blocks of a strip that must be surface.
         const FILLED: f64 = 0.6;
         let axis = side / 2;
@@ -142,15 +163,10 @@ impl Shown<'_> {
         if beyond.len() < LEAST_STRIP {
             return None;
         }
-        let inside = if side.is_multiple_of(2) {
-            own[axis].start..own[axis].end.min(own[axis].start + STRIP)
-        } else {
-            own[axis].start.max(own[axis].end.saturating_sub(STRIP))..own[axis].end
-        };
         // Two cartons may lie beyond.
         let across = own[1 - axis].clone();
         let middle = across.start.midpoint(across.end);
-        let mut diffs = [0.0; 2 * REACH as usize];
+        let mut lines = [Fits::default(); 2 * (REACH + CLOSE) as usize];
         let mut strength = 0.0f64;
         for stretch in [across.start..middle, middle..across.end] {
             if stretch.len() < LEAST_STRETCH {
@@ -165,40 +181,20 @@ impl Shown<'_> {
                 continue;
             };
             let at = line as f64 / BLOCK as f64 - 0.5;
-            let [i, j] = in_order(axis, inside.clone(), stretch.clone());
-            let Some(close) = self.relief.fit(i, j) else {
-                continue;
-            };
             let apart = [stretch.start, stretch.end - 1]
                 .map(|end| in_order(axis, at, end as f64))
-                .into_iter()
-                // A plane through parts of two cartons is off where it ends, but what lies there is not.
-                .filter(|&end| {
-                    let [own, close] = [&plane, &close].map(|p| p.height(end) - next.height(end));
-                    close * own.signum() > HOLDS * own.abs()
-                })
                 .map(|end| self.breaks.step(&plane, &next, end))
+                .into_iter()
                 .fold(0.0, f64::max);
             if apart > 1.0 {
                 strength = strength.max(apart);
-                self.tell_apart(&plane, &next, axis, side, line, &stretch, &mut diffs);
+                self.tell_apart(&plane, &next, (side, line), &stretch, &mut lines);
             }
         }
         if strength == 0.0 {
             return None;
         }
-        // Outwards: what is the carton's own lowers the sum, what is not raises it.
-        let (mut sum, mut least, mut place) = (0.0, 0.0, 0);
-        for (n, diff) in diffs.iter().enumerate() {
-            sum += diff;
-            if sum < least {
-                (least, place) = (sum, n as isize + 1);
-            }
-        }
-        let out = place - REACH;
-        if out.abs() >= REACH {
-            return None;
-        }
+        let out = where_apart(&lines)?;
         let sign = if side.is_multiple_of(2) { -1 } else { 1 };
         Some(End {
             line: line + sign * out,
@@ -206,33 +202,33 @@ impl Shown<'_> {
         })
     }
 
-    /// Adds for each cell across a line, from inside to outside, by how much it fits `own` better than `next`.
+    /// Adds what lies on each line of cells across a side, from inside to outside.
     fn tell_apart(
         &self,
         own: &Fit,
         next: &Fit,
-        axis: usize,
-        side: usize,
-        line: isize,
+        (side, line): (usize, isize),
         stretch: &Range<usize>,
-        diffs: &mut [f64],
+        lines: &mut [Fits],
     ) {
         let in_blocks = |cell: isize| (cell as f64 + 0.5) / BLOCK as f64 - 0.5;
-        for (n, diff) in diffs.iter_mut().enumerate() {
-            let out = n as isize - REACH;
+        let first = -(lines.len() as isize) / 2;
+        for (n, fits) in lines.iter_mut().enumerate() {
+            let out = first + n as isize;
             let cell = if side.is_multiple_of(2) {
                 line - 1 - out
             } else {
                 line + out
             };
             for along in stretch.start * BLOCK..stretch.end * BLOCK {
-                let [i, j] = in_order(axis, cell, along as isize);
+                let [i, j] = in_order(side / 2, cell, along as isize);
                 let Some(height) = self.unknown.height(i, j) else {
                     continue;
                 };
                 let at = [in_blocks(i), in_blocks(j)];
-                let off = |fit: &Fit| (height - fit.height(at)).powi(2);
-                *diff += off(own) - off(next);
+                let [own, next] = [own, next].map(|fit| fit.height(at));
+                fits.next += (height - own).powi(2) - (height - next).powi(2);
+                fits.apart += (own - next).powi(2);
             }
         }
     }
@@ -259,9 +255,60 @@ impl Shown<'_> {
         let line = (lines / near().map(met).sum::<f64>()).round();
         Some(End {
             line: line as isize,
-            strength: 0.5,
+            strength: NEIGHBOUR,
         })
     }
+}
+
+/// Which of two planes the cells of a line lie on.
+#[derive(Clone, Copy, Default)]
+struct Fits {
+    /// By how much they fit the next plane better than the candidate's own, square metres.
+    next: f64,
+    /// The same if all lie on the next one; on the own one it is the negative.
+    apart: f64,
+}
+
+/// Where a carton's own plane ends in lines of cells from inside to outside, the side in their middle; `None` if it
+/// does not end there, and the other begin: a plane through parts of two cartons is off, too, but nothing lies on it.
+fn where_apart(lines: &[Fits]) -> Option<isize> {
+    /// Share of a step that must show directly at the side.
+    const HOLDS: f64 = 0.5;
+    let side = lines.len() as isize / 2;
+    // What is the carton's own lowers the sum, what is not raises it.
+    let (mut sum, mut least, mut place) = (0.0, f64::MAX, 0);
+    for at in side - REACH..=side + REACH {
+        if sum < least {
+            (least, place) = (sum, at);
+        }
+        sum += lines[at as usize].next;
+    }
+    let close = |range: Range<isize>| {
+        let lines = &lines[range.start as usize..range.end as usize];
+        lines.iter().fold((0.0, 0.0), |(next, apart), fits| {
+            (next + fits.next, apart + fits.apart)
+        })
+    };
+    let (inside, inside_apart) = close(place - CLOSE..place);
+    let (outside, outside_apart) = close(place..place + CLOSE);
+    let ends = inside < -HOLDS * inside_apart && outside > HOLDS * outside_apart;
+    ((place - side).abs() < REACH && ends).then_some(place - side)
+}
+
+/// The cells (i0, j0, i1, j1) along a side in a strip outwards from it.
+fn along(c: &Candidate, side: usize, out: Range<isize>) -> [isize; 4] {
+    let (axis, across) = (side / 2, 1 - side / 2);
+    let line = line_of(c, side);
+    let [from, to] = if side.is_multiple_of(2) {
+        [line - out.end, line - out.start]
+    } else {
+        [line + out.start, line + out.end]
+    };
+    let low = c.first[across] as isize;
+    let high = (c.first[across] + c.cells[across]) as isize;
+    let [i0, j0] = in_order(axis, from, low);
+    let [i1, j1] = in_order(axis, to, high);
+    [i0, j0, i1, j1]
 }
 
 /// Where a side lies along its axis, cells.
