@@ -224,11 +224,11 @@ fn look(shown: &Shown, c: &Candidate, side: usize) -> Open {
         let seen = shown.patch.surface(i0, j0, i1, j1);
         (seen, seen + shown.unknown.share(i0, j0, i1, j1))
     };
-    if strip(-INSIDE, 0).1 < 1.0 - MOST_MISSING {
+    // Where it ends is known to some cells.
+    let (inside, reached) = strip(-INSIDE - SIZE_OFF, -SIZE_OFF);
+    if reached < 1.0 - MOST_MISSING {
         return Open::Short;
     }
-    // Where it ends is known to some cells.
-    let (inside, _) = strip(-INSIDE - SIZE_OFF, -SIZE_OFF);
     let (seen, known) = strip(SIZE_OFF, SIZE_OFF + INSIDE);
     if inside >= 1.0 - MOST_MISSING && known - seen >= 1.0 - MOST_MISSING {
         Open::Hidden

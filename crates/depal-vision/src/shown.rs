@@ -48,16 +48,43 @@ impl Shown<'_> {
     pub fn end(&self, c: &Candidate, side: usize, placed: &[Candidate]) -> Option<End> {
         /// With less of an edge a step tells better where it is.
         const PLAIN_EDGE: f64 = 0.3;
+        /// So near to a step an edge is the same end, cells.
+        const SAME: isize = 3;
         let edge = self.edge(c, side);
+        let along_all = |e: &End| self.is_along_all(c, side, e.line);
         if edge
             .as_ref()
-            .is_some_and(|e| e.strength >= EDGE * PLAIN_EDGE)
+            .is_some_and(|e| e.strength >= EDGE * PLAIN_EDGE && along_all(e))
         {
             return edge;
         }
-        self.step(c, side)
-            .or(edge)
-            .or_else(|| Self::neighbour(c, side, placed))
+        // Where the surface ends along a part of a side only, as ground does beside what stands on it, a step must
+        // part it from what goes on along the rest.
+        match (edge, self.step(c, side)) {
+            (Some(edge), Some(step))
+                if (edge.line - step.line).abs() <= SAME && !along_all(&edge) =>
+            {
+                Some(edge)
+            }
+            (_, Some(step)) => Some(step),
+            (Some(edge), None) if along_all(&edge) => Some(edge),
+            _ => Self::neighbour(c, side, placed),
+        }
+    }
+
+    /// True when an edge shows along both halves of a side.
+    fn is_along_all(&self, c: &Candidate, side: usize, line: isize) -> bool {
+        /// The lesser half shows so much of what the other does.
+        const LESSER: f64 = 0.3;
+        let across = 1 - side / 2;
+        let off = line - line_of(c, side);
+        let [low, high] = [0, 1].map(|half| {
+            let (mut first, mut cells) = (c.first, c.cells);
+            cells[across] /= 2;
+            first[across] += half * cells[across];
+            side_edge(self.patch, first, cells, side, off)
+        });
+        low.min(high) >= LESSER * low.max(high)
     }
 
     /// An edge that is not the border of a shadow, of tape, or of something nearer.
@@ -89,6 +116,8 @@ impl Shown<'_> {
 
     /// True when the surface ends with an edge not farther than so many cells beyond a side: then it is no side.
     pub fn ends_beyond(&self, c: &Candidate, side: usize, cells: usize) -> bool {
+        /// Share of a side along which it does: beside a part of it there may be other cartons.
+        const MOST: f64 = 0.7;
         let axis = side / 2;
         let outwards = if side.is_multiple_of(2) { -1 } else { 1 };
         (1..)
@@ -100,7 +129,8 @@ impl Shown<'_> {
                 let inside = moved.first[axis] + c.cells[axis] <= self.size(axis);
                 inside.then_some(moved)
             })
-            .any(|moved| self.edge(&moved, side).is_some())
+            .filter_map(|moved| self.edge(&moved, side))
+            .any(|end| end.strength >= EDGE * MOST)
     }
 
     fn size(&self, axis: usize) -> usize {
