@@ -7,6 +7,7 @@ use crate::{
     components::{Component, components},
     gate::{DepthImage, gate},
     inset::place_by_insets,
+    leaning::leaning,
     neighbours::neighbours,
     obstacles::obstacle_points,
     steps::surface_mask,
@@ -207,7 +208,7 @@ fn find_boxes(
     }
     // What leans against the others is no part of their coverings.
     for surface in surfaces.iter().filter(|s| !s.solved) {
-        for mut part in surface.leaning(image, settings, smallest) {
+        for mut part in leaning(surface, image, settings, smallest) {
             let rejected = &mut detection.rejected;
             covered.extend(part.cover(&mask, image, settings, &[], &[], rejected));
         }

@@ -27,7 +27,8 @@
 //! 5. `search`: rectangles of the known sizes whose sides show edges.
 //! 6. `cover`: surfaces without visible gaps are covered exactly by the known sizes; `relief`, `arrange`: of
 //!    several such readings the one whose every carton is one plane; `breaks`: where two planes do not meet, two
-//!    cartons do; `unknown`: what is hidden or not measured may be part of one.
+//!    cartons do; `proven`, `shown`: where no covering is exact, cartons that their sides prove one by one; `unknown`:
+//!    what is hidden or not measured may be part of one; `leaning`: one that stands tilted among others.
 //!    `measure`: tops of unknown size, where all four sides fall away.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
 //!    `inset`: how far inside the real edges this camera shows them.
@@ -52,8 +53,8 @@
 //!   one arrangement of a known size covers, over a stack as high as its cartons, is taken for them.
 //! - Cartons of one merged surface share its direction.
 //! - Where something hides part of a surface without visible gaps, or tape runs over it, only those cartons are
-//!   reported that three sides prove each, by an edge or by a break in height towards the next one; on cartons that
-//!   lie quite level, none.
+//!   reported that three sides prove each, by an edge, by a break in height towards the next one or by a proven
+//!   neighbour, or two that make a corner if all beyond the others is hidden; on cartons that lie quite level, none.
 //! - Two cartons side by side that make one plane to a few hundredths of a millimetre, without a visible gap, among
 //!   cartons that do not, are taken for one where a known size is as large as both.
 //! - Depth steps smeared over many pixels are put back to where they are half way (`smear`); tops of a
@@ -88,6 +89,7 @@ mod ink;
 mod inset;
 mod joint;
 mod lean;
+mod leaning;
 mod measure;
 mod misfit;
 mod neighbours;

@@ -4,7 +4,7 @@ use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
     arrange::{Open, arrange},
     blank::Blank,
-    components::{Component, components},
+    components::Component,
     cover::uncovered,
     even::is_even,
     gate::DepthImage,
@@ -33,7 +33,7 @@ pub struct Surface {
     /// All of it belongs to found boxes.
     pub solved: bool,
     /// How far its carton may go on beyond it, metres.
-    reach: f64,
+    pub reach: f64,
     bounds: Option<Bounds>,
     searched: Option<Searched>,
 }
@@ -115,39 +115,6 @@ impl Surface {
             bounds: None,
             searched: None,
         })
-    }
-
-    /// Parts of it that rise out of its plane on planes of their own: a carton that stands tilted hangs together with
-    /// those that it touches.
-    pub fn leaning(
-        &self,
-        image: &DepthImage,
-        settings: &VisionSettings,
-        smallest: f64,
-    ) -> Vec<Self> {
-        /// Lower angles are those of uneven ground and of noise, radians.
-        const LEAST_LEAN: f64 = 0.02;
-        let k = &image.intrinsics;
-        let mut mask = vec![0u8; image.width * image.height];
-        for run in &self.component.runs {
-            for u in run.first..=run.last {
-                let at = run.row * image.width + u;
-                let expected = self.frame.plane.depth(&k.ray(u as f64, run.row as f64));
-                let z = f64::from(image.depth[at]);
-                mask[at] = u8::from(z > 0.0 && z < expected - settings.plane_tolerance);
-            }
-        }
-        components(&mask, image.width)
-            .into_iter()
-            .filter_map(|part| Self::new(part, image, settings, smallest).ok())
-            .filter_map(|mut part| {
-                let normal = part.frame.plane.normal();
-                let lean = normal.angle(&self.frame.plane.normal());
-                // As far as it is from where it leaves the other plane to where it meets it.
-                part.reach = settings.plane_tolerance / lean.sin();
-                (lean > LEAST_LEAN).then_some(part)
-            })
-            .collect()
     }
 
     /// True when the middle of a found box lies on this plane.
