@@ -120,9 +120,9 @@ impl Shown<'_> {
         const MOST: f64 = 0.7;
         let axis = side / 2;
         let outwards = if side.is_multiple_of(2) { -1 } else { 1 };
-        (1..)
-            .map(|n| n * (2 * REACH + 1))
-            .take_while(|&out| out - REACH <= cells as isize)
+        const STEP: isize = 2 * REACH + 1;
+        (STEP..=cells as isize + REACH)
+            .step_by(STEP as usize)
             .filter_map(|out| {
                 let mut moved = *c;
                 moved.first[axis] = c.first[axis].checked_add_signed(outwards * out)?;
