@@ -27,7 +27,7 @@ pub struct Beyond {
 pub const THIN: f64 = 0.015;
 /// A gap between level cartons in which nothing was measured is at most so wide, metres: wider, and it shows its
 /// bottom; then it is a shadow or a strip of glossy tape, and the surface goes on behind it.
-const WIDEST_BLIND_GAP: f64 = 0.015;
+pub const WIDEST_BLIND_GAP: f64 = 0.015;
 /// The longest shadow that is followed, pixels.
 const LONGEST_SHADOW: usize = 300;
 

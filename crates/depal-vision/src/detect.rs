@@ -11,6 +11,7 @@ use crate::{
     doubles::refuse_doubles,
     fold::place_by_folds,
     gate::{DepthImage, gate},
+    leaning::leaning,
     neighbours::neighbours,
     obstacles::obstacle_points,
     steps::surface_mask,
@@ -230,6 +231,13 @@ fn find_boxes(
                 covered.extend(surface.cover(&mask, image, settings, &beside, &proven, rejected));
             }
             Err(rejected) => detection.rejected.extend(rejected),
+        }
+    }
+    // What leans against the others is no part of their coverings.
+    for surface in surfaces.iter().filter(|s| !s.solved) {
+        for mut part in leaning(surface, image, settings, smallest) {
+            let rejected = &mut detection.rejected;
+            covered.extend(part.cover(&mask, image, settings, &[], &[], rejected));
         }
     }
     place_between_ends(&mut found, image, settings);

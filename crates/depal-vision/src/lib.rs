@@ -28,9 +28,10 @@
 //! 5. `search`: rectangles of the known sizes whose sides show edges.
 //! 6. `cover`: surfaces without visible gaps are covered exactly by the known sizes; `relief`, `arrange`: of
 //!    several such readings the one whose every carton is one plane; `parts`: what is one plane is no two smaller
-//!    cartons; `breaks`: where two planes do not meet, two cartons do; `unknown`: what is hidden or not measured may be
-//!    part of one. `measure`: tops of unknown size, where all four sides fall away; `parted`, `support`: which of them
-//!    are one carton; `again`: their sizes looked for where cartons hang together.
+//!    cartons; `breaks`: where two planes do not meet, two cartons do; `proven`, `shown`: where no covering is exact,
+//!    cartons that their sides prove one by one; `unknown`: what is hidden or not measured may be part of one;
+//!    `leaning`: one that stands tilted among others. `measure`: tops of unknown size, where all four sides fall away;
+//!    `parted`, `support`: which of them are one carton; `again`: their sizes looked for where cartons hang together.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
 //!    `ends`: where a surface ends, whatever is lost of its outermost pixels; `between_ends`: cartons lie in the
 //!    middle. `fold`: rounded edges, by where the tops begin to fall. `inset`: how far inside the real edges this camera shows them.
@@ -57,8 +58,8 @@
 //!   one arrangement of a known size covers, over a stack as high as its cartons, is taken for them.
 //! - Cartons of one merged surface share its direction.
 //! - Where something hides part of a surface without visible gaps, or tape runs over it, only those cartons are
-//!   reported that three sides prove each, by an edge or by a break in height towards the next one; on cartons that
-//!   lie quite level, none.
+//!   reported that three sides prove each, by an edge, by a break in height towards the next one or by a proven
+//!   neighbour, or two that make a corner if all beyond the others is hidden; on cartons that lie quite level, none.
 //! - Two cartons side by side that make one plane to a few hundredths of a millimetre, without a visible gap, are taken
 //!   for one where a known size is as large as both and the layer's other gaps and heights make that unlikely; where
 //!   they do not, such a size is not reported.
@@ -112,6 +113,7 @@ mod ink;
 mod inset;
 mod joint;
 mod lean;
+mod leaning;
 mod lost;
 mod measure;
 mod misfit;
@@ -126,6 +128,7 @@ mod parted;
 mod parts;
 mod patch;
 mod plane;
+mod proven;
 mod relief;
 mod resample;
 mod runs_on;
@@ -135,6 +138,7 @@ mod seams;
 mod search;
 mod settings;
 mod settle;
+mod shown;
 mod sides;
 mod smear;
 mod spaced_points;

@@ -130,9 +130,14 @@ impl Relief {
         })
     }
 
+    /// How many of some blocks are surface.
+    pub fn filled(&self, i: &Range<usize>, j: &Range<usize>) -> usize {
+        self.sums_within(i, j)[0] as usize
+    }
+
     /// True when all of some blocks are surface.
     pub fn is_full(&self, i: Range<usize>, j: Range<usize>) -> bool {
-        self.sums_within(&i, &j)[0] as usize == i.len() * j.len()
+        self.filled(&i, &j) == i.len() * j.len()
     }
 
     /// Squared distance of each block within a candidate from the candidate's plane, square metres: (place in a

@@ -187,6 +187,17 @@ impl ResampledRow {
         })
     }
 
+    /// Heights over the plane, NaN of what is no surface.
+    pub fn heights(&self, tolerance: f32) -> impl Iterator<Item = f32> {
+        self.deeper.iter().map(move |&deeper| {
+            if deeper.abs() <= tolerance {
+                -deeper
+            } else {
+                f32::NAN
+            }
+        })
+    }
+
     /// Takes cells out of the picture: neither surface nor edge.
     pub fn blank(&mut self, cells: Range<usize>, edge: &mut [u8]) {
         self.on[cells.clone()].fill(0);

@@ -48,6 +48,8 @@ pub struct Surface {
     pub area: f64,
     /// All of it belongs to found boxes.
     pub solved: bool,
+    /// How far its carton may go on beyond it, metres.
+    pub reach: f64,
     bounds: Option<Bounds>,
     searched: Option<Searched>,
 }
@@ -124,6 +126,7 @@ impl Surface {
             frame,
             area,
             solved: false,
+            reach: 0.0,
             bounds: None,
             searched: None,
         })
@@ -217,7 +220,7 @@ impl Surface {
         let bounds = self.bounds(mask, image, settings)?;
         let frame = self.frame.turned(bounds.yaw);
         let pitch = pixel_pitch(&self.frame, &image.intrinsics);
-        let margin = margin(settings, pitch);
+        let margin = margin(settings, pitch) + self.reach;
         let grid = Grid {
             frame,
             x: [bounds.x[0] - margin, bounds.x[1] + margin],
