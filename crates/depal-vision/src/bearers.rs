@@ -209,9 +209,12 @@ impl Look<'_> {
         for steps in last + TORN..=end {
             seen.extend(at(steps)?);
             if seen.len() == PIXELS {
-                let (_, middle, _) =
-                    seen.select_nth_unstable_by(PIXELS / 2, |a, b| a.drop.total_cmp(&b.drop));
-                return THICK.contains(&middle.drop).then_some(*middle);
+                seen.sort_by(|a, b| a.drop.total_cmp(&b.drop));
+                let middle = seen[PIXELS / 2];
+                // The wall of a neighbour, seen through a gap, falls by millimetres from pixel to pixel.
+                let [above, below] = [1, PIXELS - 2].map(|n| seen[n].drop);
+                let is_level = below - above < equally(self.tolerance);
+                return (is_level && THICK.contains(&middle.drop)).then_some(middle);
             }
         }
         None
