@@ -160,7 +160,15 @@ impl Shown<'_> {
         let extents = c.cells.map(|n| n as f64 * self.patch.pitch);
         let sign = if side.is_multiple_of(2) { -1.0 } else { 1.0 };
         let at = (side / 2, sign);
-        beyond(self.image, &frame, extents, at, self.tolerance).open > HALF
+        let seen = beyond(
+            self.image,
+            &frame,
+            extents,
+            at,
+            self.tolerance,
+            WIDEST_BLIND_GAP,
+        );
+        seen.open > HALF
     }
 
     /// Share of unknown cells along a side, in a strip outwards from it.
