@@ -25,8 +25,6 @@ const STRIDE: usize = 8;
 const SIZE_OFF: isize = 3;
 /// Overlap of two cartons that inexact places make.
 const OVERLAP: f64 = 0.05;
-/// A step shows clearly from so many of the least steps that count on.
-const CLEAR: f64 = 1.0;
 /// Share of a place that must be surface or unknown.
 const WHOLE: f64 = 0.96;
 
@@ -200,7 +198,7 @@ fn prove(
         let hidden = looks.map(|look| look == Some(Open::Hidden));
         // A corner shows where a carton is, and what is hidden from its size on how large it is.
         let corner = || {
-            let own = ends.iter().flatten().all(|e| e.strength >= CLEAR);
+            let own = ends.iter().flatten().all(|e| e.strength > NEIGHBOUR);
             own && hidden.iter().filter(|h| **h).count() == 2
         };
         // A neighbour that meets it level is as large as any.
@@ -211,7 +209,7 @@ fn prove(
             Some(Open::Hidden) | None => false,
         };
         // Without all four, each must show clearly: the ground, too, has noise and is not quite flat.
-        let faint = |e: &End| (NEIGHBOUR + f64::EPSILON..CLEAR).contains(&e.strength);
+        let faint = |e: &End| !e.clear;
         if looks.iter().enumerate().any(wrong)
             || sides < 4 && ends.iter().flatten().any(faint)
             || sides < 4 && within_another
