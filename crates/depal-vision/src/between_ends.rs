@@ -5,14 +5,14 @@
 //! a carton with one side of each sort seems to lie beside its place. Where the surface ends (`ends`) does not depend
 //! on how many of its outermost pixels are lost, and an error of the known size is common to both sides.
 
-use depal_frames::{Point, Vector};
+use depal_frames::Vector;
 
 use crate::{
     DetectedBox, VisionSettings,
     ends::surface_end,
     gate::{DepthImage, LEAST_SMEAR},
     patch::pixel_pitch,
-    plane::{Plane, PlaneFrame},
+    plane::PlaneFrame,
     sides::{Fitting, fit_rectangle},
     verify::{LEAST_SEEN, sharp_tolerance},
 };
@@ -38,7 +38,7 @@ pub fn place_between_ends(
 
 /// From where the middle of the top is to the middle between the ends of its surface.
 fn to_middle(found: &DetectedBox, image: &DepthImage, settings: &VisionSettings) -> Vector {
-    let frame = frame_of(found);
+    let frame = PlaneFrame::of_top(found);
     let extents = [found.size.length, found.size.width];
     let tolerance = sharp_tolerance(image, &frame, settings);
     let pitch = pixel_pitch(&frame, &image.intrinsics);
@@ -67,20 +67,4 @@ fn to_middle(found: &DetectedBox, image: &DepthImage, settings: &VisionSettings)
         }
     }
     shift
-}
-
-/// Origin in the middle of the top, X along the long side.
-pub fn frame_of(found: &DetectedBox) -> PlaneFrame {
-    let pose = &found.camera_from_box;
-    let origin = Point::from(pose.translation.vector);
-    let axis = |k: usize| pose.rotation * Vector::ith(k, 1.0);
-    let normal = axis(2);
-    PlaneFrame {
-        plane: Plane {
-            coefficient: normal / normal.dot(&origin.coords),
-        },
-        origin,
-        x: axis(0),
-        y: axis(1),
-    }
 }

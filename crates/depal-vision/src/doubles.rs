@@ -5,13 +5,9 @@
 use depal_frames::{Point, Vector};
 
 use crate::{
-    DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
-    breaks::BY_CHANCE,
-    gaps::lost_beside,
-    gate::DepthImage,
-    noise::noise_of_pixels,
-    parts::made_of_others,
-    plane::{Plane, PlaneFrame},
+    DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings, breaks::BY_CHANCE,
+    gaps::lost_beside, gate::DepthImage, noise::noise_of_pixels, parts::made_of_others,
+    plane::PlaneFrame,
 };
 
 /// Tops of one layer are at most this far apart in height, metres.
@@ -96,17 +92,7 @@ pub fn is_doubtful(image: &DepthImage, settings: &VisionSettings, b: &DetectedBo
 
 /// Pixels lost at its sides where others stand beside it.
 fn lost_at(image: &DepthImage, settings: &VisionSettings, b: &DetectedBox) -> [Option<f64>; 4] {
-    let origin = Point::from(b.camera_from_box.translation.vector);
-    let axis = |k: usize| b.camera_from_box.rotation * Vector::ith(k, 1.0);
-    let normal = axis(2);
-    let frame = PlaneFrame {
-        plane: Plane {
-            coefficient: normal / normal.dot(&origin.coords),
-        },
-        origin,
-        x: axis(0),
-        y: axis(1),
-    };
+    let frame = PlaneFrame::of_top(b);
     let extents = [b.size.length, b.size.width];
     lost_beside(image, &frame, extents, settings.plane_tolerance)
 }

@@ -13,9 +13,9 @@ use strip::Strip;
 
 use crate::{
     DetectedBox, VisionSettings,
-    between_ends::frame_of,
     gate::{DepthImage, LEAST_SMEAR},
     patch::pixel_pitch,
+    plane::PlaneFrame,
     verify::sharp_tolerance,
 };
 
@@ -71,7 +71,7 @@ pub fn place_by_folds(boxes: &mut [DetectedBox], image: &DepthImage, settings: &
     }
     let tolerances: Vec<f64> = boxes
         .iter()
-        .map(|found| sharp_tolerance(image, &frame_of(found), settings))
+        .map(|found| sharp_tolerance(image, &PlaneFrame::of_top(found), settings))
         .collect();
     for _ in 0..ROUNDS {
         let Some(fold) = fold_of(boxes, &tolerances, image) else {
@@ -111,7 +111,7 @@ fn place(boxes: &mut [DetectedBox], tolerances: &[f64], fold: &Fold, image: &Dep
     let middle = beyond.len() / 2;
     let common = *beyond.select_nth_unstable_by(middle, f64::total_cmp).1;
     for (found, sides) in boxes.iter_mut().zip(sides) {
-        let frame = frame_of(found);
+        let frame = PlaneFrame::of_top(found);
         let shift = sides.map(|side| match side {
             [Some(low), Some(high)] if (low + high - 2.0 * common).abs() <= ALIKE => {
                 (high - low) / 2.0

@@ -1,6 +1,6 @@
 //! Stage 7c: tops of unknown size, where all four sides fall away.
 
-use depal_frames::{BoxSize, Point, Pose, Vector};
+use depal_frames::{BoxSize, Pose};
 
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
@@ -10,7 +10,7 @@ use crate::{
     gate::{DepthImage, LEAST_SMEAR},
     parted::{Parting, parting},
     patch::Patch,
-    plane::{Plane, PlaneFrame},
+    plane::PlaneFrame,
     search::{Candidate, has_seam},
     support::{Measured, Standing},
     verify::{Proof, verify_measured},
@@ -102,21 +102,6 @@ fn parting_of(patch: &Patch, candidate: &Candidate, settings: &VisionSettings) -
     parting(patch, candidate, LEAST_SIDE, uneven)
 }
 
-/// Axes on the top of a found box, X along its length.
-fn top(found: &DetectedBox) -> PlaneFrame {
-    let pose = &found.camera_from_box;
-    let origin = Point::from(pose.translation.vector);
-    let normal = pose.rotation * Vector::z();
-    PlaneFrame {
-        plane: Plane {
-            coefficient: normal / normal.dot(&origin.coords),
-        },
-        origin,
-        x: pose.rotation * Vector::x(),
-        y: pose.rotation * Vector::y(),
-    }
-}
-
 /// How a surface ends at its four sides.
 enum Ending {
     /// At all four, seen.
@@ -134,7 +119,7 @@ const MOST_OVER: f64 = 0.03;
 
 /// True when nothing hides a side of a found box or stands over one.
 pub fn is_free(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> bool {
-    let frame = top(found);
+    let frame = PlaneFrame::of_top(found);
     let extents = [found.size.length, found.size.width];
     SIDES.iter().all(|side| {
         let seen = beyond(image, &frame, extents, *side, tolerance, WIDEST_BLIND_GAP);
@@ -151,7 +136,7 @@ fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> (Ending, [
     const SHEET: usize = 2;
     /// Share of what is seen beneath such a side that lies close by: noise takes some of it.
     const MOSTLY_THIN: f64 = 0.5;
-    let frame = top(found);
+    let frame = PlaneFrame::of_top(found);
     let extents = [found.size.length, found.size.width];
     let mut thin = 0;
     let mut blind = [false; 4];
@@ -176,7 +161,7 @@ fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> (Ending, [
 
 /// The same box with its sides where its surface ends.
 fn measured(image: &DepthImage, found: DetectedBox, tolerance: f64, pitch: f64) -> DetectedBox {
-    let frame = top(&found);
+    let frame = PlaneFrame::of_top(&found);
     let extents = [found.size.length, found.size.width];
     let [left, right, low, high] = SIDES
         .map(|side| surface_end(image, &frame, extents, side, tolerance, pitch).unwrap_or(0.0));

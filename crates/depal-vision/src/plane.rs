@@ -3,6 +3,8 @@
 use depal_frames::{Intrinsics, Point, Vector};
 use nalgebra::Matrix3;
 
+use crate::DetectedBox;
+
 /// A plane as `1/z = coefficient · ray(u, v)`; `coefficient` = unit normal / distance.
 #[derive(Debug, Clone, Copy)]
 pub struct Plane {
@@ -106,6 +108,22 @@ impl PlaneFrame {
             origin: plane.meet(ray),
             x,
             y: z.cross(&x),
+        }
+    }
+
+    /// Origin in the middle of a found top, X along its long side.
+    pub fn of_top(found: &DetectedBox) -> Self {
+        let pose = &found.camera_from_box;
+        let origin = Point::from(pose.translation.vector);
+        let axis = |k: usize| pose.rotation * Vector::ith(k, 1.0);
+        let normal = axis(2);
+        Self {
+            plane: Plane {
+                coefficient: normal / normal.dot(&origin.coords),
+            },
+            origin,
+            x: axis(0),
+            y: axis(1),
         }
     }
 

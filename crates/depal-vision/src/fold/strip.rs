@@ -2,9 +2,7 @@
 
 use depal_frames::Vector;
 
-use crate::{
-    DetectedBox, between_ends::frame_of, gate::DepthImage, patch::pixel_pitch, plane::PlaneFrame,
-};
+use crate::{DetectedBox, gate::DepthImage, patch::pixel_pitch, plane::PlaneFrame};
 
 /// Share of a side's length that is looked at: away from the corners, which are rounded, too.
 const LENGTH: f64 = 0.9;
@@ -26,7 +24,7 @@ pub(super) struct Strip<'a> {
 impl<'a> Strip<'a> {
     /// Across a side: -X, +X, -Y, +Y.
     pub fn new(image: &'a DepthImage<'a>, found: &DetectedBox, side: usize) -> Self {
-        let frame = frame_of(found);
+        let frame = PlaneFrame::of_top(found);
         let extents = [found.size.length, found.size.width];
         let sign = if side.is_multiple_of(2) { -1.0 } else { 1.0 };
         let axes = [frame.x, frame.y];
