@@ -5,10 +5,11 @@ use depal_frames::{BoxSize, DepthFrame, Point};
 use crate::{
     DetectedBox, Detection, RejectReason, RejectedSurface, VisionSettings,
     components::{Component, components},
-    gate::{DepthImage, gate},
+    gate::{DepthImage, LEAST_SMEAR, gate},
     inset::place_by_insets,
     neighbours::neighbours,
     obstacles::obstacle_points,
+    smeared::find_smeared,
     steps::surface_mask,
     surface::Surface,
     turn_together::turn_together,
@@ -209,6 +210,19 @@ fn find_boxes(
     found.extend(covered);
     keep_best(found, settings, detection);
     turn_together(&mut detection.boxes, &image.intrinsics);
+    if is_soft(settings) {
+        let more = find_smeared(&mask, image, settings, smallest, detection);
+        keep_best(more, settings, detection);
+    }
+}
+
+/// True when outlines are known roughly and heights hardly: each height of the stack must be looked at as one.
+fn is_soft(settings: &VisionSettings) -> bool {
+    /// More than twice what the defaults are made for, metres.
+    const NOISY: f64 = 0.010;
+    settings.smear_px >= LEAST_SMEAR
+        || settings.average_px > 0
+        || settings.plane_tolerance > NOISY
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.
@@ -236,7 +250,7 @@ fn nearer(a: &DetectedBox, b: &DetectedBox) -> std::cmp::Ordering {
 }
 
 /// True when the middle of one top lies well inside the other's, at about the same height.
-fn overlap(a: &DetectedBox, b: &DetectedBox) -> bool {
+pub fn overlap(a: &DetectedBox, b: &DetectedBox) -> bool {
     let reach = |d: &DetectedBox| d.size.width / 2.0;
     let inside = |a: &DetectedBox, b: &DetectedBox| {
         let p = a
