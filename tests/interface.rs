@@ -101,6 +101,40 @@ fn the_planning_project_takes_index_branch_and_properties() {
     assert_eq!(path[11], 30.0);
 }
 
+/// Eight cartons of 400 x 300 mm lie there, and the robot asks for others.
+#[test]
+fn a_wrong_box_size_fails_the_size_check() {
+    let mut talk = talk();
+    let start = format!("101,1,0,0,{ZEROS}");
+    talk.says("501,1,300,200,200", 1108);
+    talk.says(&start, 1102);
+    talk.says("102,1", 1049);
+    talk.says("501,1,400,300,250", 1108);
+    talk.says(&start, 1102);
+    talk.says("102,1", 1100);
+    // The second recipe is the same wrong size; a path for what is not there is none.
+    talk.says("501,2,300,200,200", 1108);
+    talk.says(&format!("101,2,0,0,{ZEROS}"), 1102);
+    talk.says("105,2,1", 1049);
+}
+
+#[test]
+fn labels_go_out_as_the_project_names_them() {
+    let said = |labels: &str| {
+        let keys = [
+            ("interface.encoding", "ascii"),
+            ("vision.project.0.labels", labels),
+        ];
+        let mut talk = Talk::new(scene("interface", &keys, None).cell_spec().unwrap());
+        talk.says(&format!("101,1,0,0,{ZEROS}"), 1102);
+        talk.ask("102,1")
+    };
+    let points = said(r#"["12"]"#);
+    assert_eq!(points[..3], [1100.0, 1.0, 8.0]);
+    assert!(points[4..].chunks(8).all(|point| point[6] == 12.0));
+    assert_eq!(said(r#"["a12"]"#), [1017.0]);
+}
+
 /// Without the branch's command the run waits; the reply gives up, the run does not.
 #[test]
 fn a_run_outlives_the_wait_for_its_branch() {

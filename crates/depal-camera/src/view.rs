@@ -302,14 +302,12 @@ impl View {
         drawable.outline = Outline::Flat(flat);
         Some((drawable, flat))
     }
-}
 
-impl Collect for View {
+    /// Notes a polygon of one flat face, and says the index of its drawable; none when it is beside the picture.
     #[inline(always)]
-    fn polygon(&mut self, polygon: &Polygon, bounds: TangentBounds) {
-        let Some((drawable, _)) = self.outline(polygon, &bounds) else {
-            return;
-        };
+    fn flat_face(&mut self, polygon: &Polygon, bounds: &TangentBounds) -> Option<u32> {
+        let (drawable, _) = self.outline(polygon, bounds)?;
+        let index = self.drawables.len() as u32;
         self.drawables.push(drawable);
         self.faces.push(Face {
             solid: self.solid,
@@ -317,6 +315,14 @@ impl Collect for View {
             normal: single(&polygon.normal),
             distance: -polygon.plane as f32,
         });
+        Some(index)
+    }
+}
+
+impl Collect for View {
+    #[inline(always)]
+    fn polygon(&mut self, polygon: &Polygon, bounds: TangentBounds) {
+        self.flat_face(polygon, &bounds);
     }
 
     #[inline(always)]
@@ -359,17 +365,7 @@ impl Collect for View {
         let Some((drawable, span)) = self.outline(&whole.0, &whole.1) else {
             return;
         };
-        let flat = flat.and_then(|(polygon, bounds)| {
-            let (drawable, _) = self.outline(polygon, bounds)?;
-            self.drawables.push(drawable);
-            self.faces.push(Face {
-                solid: self.solid,
-                round: Face::FLAT,
-                normal: single(&polygon.normal),
-                distance: -polygon.plane as f32,
-            });
-            Some(self.drawables.len() as u32 - 1)
-        });
+        let flat = flat.and_then(|(polygon, bounds)| self.flat_face(polygon, bounds));
         self.drawables.push(Drawable {
             outline: Outline::Rim(self.rims.len() as u32),
             ..drawable

@@ -27,6 +27,7 @@ mod gripper_io;
 mod link;
 mod mounting;
 pub mod observer;
+mod outcome;
 mod picks;
 mod picture;
 mod planning;

@@ -2,11 +2,13 @@
 
 use depal_camera::{Capture, RenderShape, capture};
 use depal_frames::Pose;
+use depal_interface::Status;
 use depal_time::{RandomStreams, SimTime};
 use depal_vision::{Detection, detect};
 
 use crate::event::{EventKind, LoggedDetection, LoggedPose, round};
 use crate::observer::{CaptureView, Observer};
+use crate::outcome::outcome;
 use crate::score::Score;
 use crate::spec::{CellSpec, VisionProject};
 use crate::truth::{PICKABLE_FRACTION, TrueCarton, match_reports, visible_fraction};
@@ -28,6 +30,8 @@ pub(crate) struct Picture {
     /// The vision project that it was taken for.
     pub(crate) project: i32,
     pub(crate) detection: Detection,
+    /// The label of each report, or why the project has nothing to say.
+    pub(crate) labels: Result<Vec<i32>, Status>,
     /// Where the camera is taken to have been: calibrated, and on the flange that the robot has told.
     pub(crate) base_from_camera: Pose,
     /// Reported top-face poses in the robot base, through that camera pose.
@@ -60,6 +64,7 @@ pub(crate) fn take_picture(
     let settings = project.settings_from(&base_from_camera).suited_to(&frame);
     let detection = detect(&frame, &settings);
     score.vision_ms.push((stopwatch() - started) * 1e3);
+    let labels = outcome(project, &settings, &frame, &detection, events);
 
     let base_from_boxes: Vec<Pose> = detection
         .boxes
@@ -143,6 +148,7 @@ pub(crate) fn take_picture(
     });
     Picture {
         project: project.id,
+        labels,
         cartons: matches.iter().map(|m| m.map(|m| m.carton)).collect(),
         base_from_camera,
         base_from_boxes,

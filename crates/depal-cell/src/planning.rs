@@ -123,10 +123,11 @@ pub(crate) fn plan(
             }
         };
         let detections: Vec<usize> = round.box_indices.iter().map(|i| left[*i]).collect();
-        let labels: Vec<i32> = detections
-            .iter()
-            .map(|index| picture.detection.boxes[*index].label as i32)
-            .collect();
+        let all_labels = picture
+            .labels
+            .as_ref()
+            .expect("no path is asked for where vision says nothing");
+        let labels: Vec<i32> = detections.iter().map(|i| all_labels[*i]).collect();
         let picked = situation.picked_before + all.detections.len() as i32;
         let mut points = path_points(&round, &labels, picked);
         for point in &mut points {

@@ -89,12 +89,23 @@ pub struct VisionProject {
     pub settings: VisionSettings,
     /// Where cartons are looked for; absent: everywhere in view.
     pub region: Option<Region>,
-    /// Sizes by recipe number.
-    pub recipes: BTreeMap<i32, Vec<BoxSize>>,
+    /// What goes out as label with a carton of each size; empty: the size's place in the list, from 0.
+    pub labels: Vec<String>,
+    /// What a recipe number switches it to.
+    pub recipes: BTreeMap<i32, Recipe>,
     /// Data of the project's own that goes out with every point.
     pub custom_ports: Vec<CustomPort>,
     /// The project plans a path by these steps, the recognition included; absent: it gives points.
     pub path: Option<Project>,
+}
+
+/// What a vision project looks for once a recipe has been switched to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recipe {
+    /// The known sizes.
+    pub sizes: Vec<BoxSize>,
+    /// What goes out as label with a carton of each size, as in [`VisionProject::labels`].
+    pub labels: Vec<String>,
 }
 
 /// A box in which cartons are looked for. It stays where it is, wherever the camera goes.

@@ -4,16 +4,15 @@ use std::task::Poll;
 
 use depal_arm::Load;
 use depal_frames::{JointPositions, Point};
-use depal_motion::{
-    Interpolation, MotionError, Segment, SegmentId, SegmentTarget, Speed, Trajectory, Zone,
-};
+use depal_motion::{MotionError, SegmentId, Trajectory};
 use depal_time::{SimDuration, SimTime};
-use depal_vm::system::{
-    Fault, MoveId, MoveKind, MoveRequest, MoveTarget, MoveZone, PathEvent, ProgramLocation,
-};
+use depal_vm::system::{Fault, MoveId, MoveRequest, PathEvent, ProgramLocation};
 
 use crate::ControllerEvent;
 use crate::path_events::{Fired, PathEvents};
+use segment::segment;
+
+mod segment;
 
 /// Accepted moves and the path that they make.
 #[derive(Debug, Clone)]
@@ -375,34 +374,5 @@ impl MotionQueue {
 
     pub fn corner_failures(&self) -> usize {
         self.trajectory.corner_failures().len()
-    }
-}
-
-fn segment(request: &MoveRequest) -> Segment {
-    Segment {
-        interpolation: match request.kind {
-            MoveKind::Joint => Interpolation::Joint,
-            MoveKind::Linear => Interpolation::Linear,
-        },
-        target: match &request.target {
-            MoveTarget::Joints(joints) => SegmentTarget::Joints(*joints),
-            MoveTarget::Tcp(pose) => SegmentTarget::Tcp(*pose),
-            MoveTarget::Arc { through, to } => SegmentTarget::Arc {
-                through: *through,
-                to: *to,
-            },
-        },
-        flange_from_tcp: request.flange_from_tcp,
-        speed: Speed {
-            tcp: request.speed.tcp,
-            orientation: request.speed.orientation,
-            joint_fraction: request.speed.joint_fraction,
-            acceleration_fraction: request.speed.acceleration_fraction,
-        },
-        zone: match request.zone {
-            MoveZone::Fine => Zone::Fine,
-            MoveZone::Fly { tcp, orientation } => Zone::Fly { tcp, orientation },
-        },
-        quarters: request.configuration,
     }
 }

@@ -23,6 +23,7 @@ mod client;
 mod command;
 mod handshake;
 mod result;
+mod running;
 
 use depal_wire::{Encoding, HexPlanCells, HexReplyLength, PointCell8, StateReply};
 

@@ -3,24 +3,19 @@
 use std::sync::Arc;
 
 use depal_arm::Arm;
-use depal_frames::nalgebra::Translation3;
-use depal_frames::{JointPositions, Point, Pose, Rotation, Vector};
+use depal_frames::{JointPositions, Point, Pose};
 
 use crate::cell::CellLimits;
 use crate::circle::Circle;
 use crate::curve::{Curve, combine};
 use crate::torque::TorqueLimits;
 use crate::{Along, Interpolation, MotionError, Segment, SegmentTarget, Zone};
+use line::line;
+use posture::{check_joints, in_quarters, off_quarters};
 
-/// TCP travel and turn between grid points of a linear move, metres and radians.
-const LINE_STEP: f64 = 0.02;
-const TURN_STEP: f64 = 0.05;
-/// Joint step between grid points of a linear move, and change of that step, above which the grid is refined:
-/// between grid points a joint's acceleration has to be close to even.
-const COARSE_STEP: f64 = 0.12;
-const COARSE_BEND: f64 = 0.005;
-/// Grid points of a linear move beyond which a large joint step counts as a jump.
-const FINEST_GRID: usize = 1024;
+mod line;
+mod posture;
+
 /// Divisions of a cell next to a stand.
 const STAND_PIECES: i32 = 4;
 /// Shorter than this a path has no length to cut a zone from.
@@ -308,157 +303,4 @@ fn reached(nodes: &[Node], quantity: impl Fn(&Node) -> f64, value: f64) -> f64 {
         }
     }
     1.0
-}
-
-/// Joint positions on an even grid along a straight TCP line, or along an arc; the orientation turns evenly.
-fn line(
-    arm: &Arm,
-    start: &JointPositions,
-    base_from_target: &Pose,
-    flange_from_tcp: &Pose,
-    circle: Option<&Circle>,
-) -> Result<Vec<JointPositions>, MotionError> {
-    let base_from_start = arm.base_from_flange(start) * flange_from_tcp;
-    let way = base_from_target.translation.vector - base_from_start.translation.vector;
-    let turn = (base_from_start.rotation.inverse() * base_from_target.rotation).scaled_axis();
-    let length = circle.map_or_else(|| way.norm(), Circle::length);
-    let place = |share: f64| -> Vector {
-        circle.map_or_else(
-            || base_from_start.translation.vector + way * share,
-            |circle| circle.at(share),
-        )
-    };
-    let tcp_from_flange = flange_from_tcp.inverse();
-    let at = |share: f64| {
-        Pose::from_parts(
-            Translation3::from(place(share)),
-            base_from_start.rotation * Rotation::from_scaled_axis(turn * share),
-        )
-    };
-    if arm
-        .inverse_nearest(&(at(1.0) * tcp_from_flange), start)
-        .is_none()
-    {
-        return Err(out_of_reach(base_from_target));
-    }
-    let mut pieces = ((length / LINE_STEP).max(turn.norm() / TURN_STEP).ceil() as usize).max(8);
-    loop {
-        let mut joints = Vec::with_capacity(pieces + 1);
-        joints.push(*start);
-        let mut widest = (0, 0, 0.0_f64);
-        for i in 1..=pieces {
-            let share = i as f64 / pieces as f64;
-            let tcp = at(share);
-            let before = joints[i - 1];
-            let Some(found) = arm.inverse_nearest(&(tcp * tcp_from_flange), &before) else {
-                let p = tcp.translation.vector * 1e3;
-                return Err(MotionError::LineOutOfReach {
-                    travelled_mm: share * length * 1e3,
-                    length_mm: length * 1e3,
-                    x_mm: p.x,
-                    y_mm: p.y,
-                    z_mm: p.z,
-                });
-            };
-            for (j, (a, b)) in before.iter().zip(found.iter()).enumerate() {
-                if (b - a).abs() > widest.2 {
-                    widest = (i, j, (b - a).abs());
-                }
-            }
-            joints.push(found);
-        }
-        let bend = joints
-            .windows(3)
-            .map(|w| w[0].lerp(&w[2], 0.5).max_distance(&w[1]) * 2.0)
-            .fold(0.0, f64::max);
-        if widest.2 <= COARSE_STEP && (bend <= COARSE_BEND || pieces > FINEST_GRID) {
-            return Ok(joints);
-        }
-        if pieces > FINEST_GRID {
-            return Err(MotionError::LineJumps {
-                joint: widest.1 + 1,
-                jump_deg: widest.2.to_degrees(),
-                travelled_mm: widest.0 as f64 / pieces as f64 * length * 1e3,
-                length_mm: length * 1e3,
-            });
-        }
-        pieces *= 2;
-    }
-}
-
-/// How far beside a quarter turn a joint still counts as in it, radians: 45 degrees, half a quarter, so that a target
-/// taught at the edge of a quarter and moved a little keeps its configuration. Our choice, not a manual's.
-const QUARTER_MARGIN: f64 = std::f64::consts::FRAC_PI_4;
-
-/// The first of joints 1, 4 and 6 that is not in its quarter turn (0: from 0 to 90 degrees), from 1, with its quarter.
-fn off_quarters(joints: &JointPositions, quarters: [i32; 3]) -> Option<(usize, i32)> {
-    use std::f64::consts::FRAC_PI_2;
-    [0, 3, 5]
-        .into_iter()
-        .zip(quarters)
-        .find(|(joint, quarter)| {
-            let lower = f64::from(*quarter) * FRAC_PI_2;
-            joints.get(*joint).is_some_and(|q| {
-                !(lower - QUARTER_MARGIN..=lower + FRAC_PI_2 + QUARTER_MARGIN).contains(q)
-            })
-        })
-        .map(|(joint, quarter)| (joint + 1, quarter))
-}
-
-/// The solution nearest to `start` of those in the quarter turns that the segment asks for.
-fn in_quarters(
-    arm: &Arm,
-    start: &JointPositions,
-    base_from_flange: &Pose,
-    segment: &Segment,
-) -> Result<JointPositions, MotionError> {
-    let solutions = arm.inverse(base_from_flange);
-    let Some(quarters) = segment.quarters.filter(|_| !solutions.is_empty()) else {
-        return Err(out_of_reach(&(base_from_flange * segment.flange_from_tcp)));
-    };
-    let nearest = |fits: &dyn Fn(&JointPositions) -> bool| {
-        solutions
-            .iter()
-            .filter(|found| fits(found))
-            .min_by(|a, b| a.max_distance(start).total_cmp(&b.max_distance(start)))
-            .copied()
-    };
-    nearest(&|found| off_quarters(found, quarters).is_none()).ok_or_else(|| {
-        let found = nearest(&|_| true).unwrap_or(*start);
-        let (joint, quarter) = off_quarters(&found, quarters).unwrap_or((1, quarters[0]));
-        MotionError::Configuration {
-            joint,
-            found_deg: found.get(joint - 1).copied().unwrap_or(0.0).to_degrees(),
-            quarter,
-        }
-    })
-}
-
-fn check_joints(arm: &Arm, joints: &JointPositions) -> Result<(), MotionError> {
-    if joints.len() != arm.joint_count() {
-        return Err(MotionError::JointCount {
-            expected: arm.joint_count(),
-            found: joints.len(),
-        });
-    }
-    for (i, (limit, found)) in arm.limits().iter().zip(joints.iter()).enumerate() {
-        if !(limit.lower - 1e-9..=limit.upper + 1e-9).contains(found) {
-            return Err(MotionError::JointLimit {
-                joint: i + 1,
-                found_deg: found.to_degrees(),
-                lower_deg: limit.lower.to_degrees(),
-                upper_deg: limit.upper.to_degrees(),
-            });
-        }
-    }
-    Ok(())
-}
-
-fn out_of_reach(base_from_tcp: &Pose) -> MotionError {
-    let p = base_from_tcp.translation.vector * 1e3;
-    MotionError::TargetOutOfReach {
-        x_mm: p.x,
-        y_mm: p.y,
-        z_mm: p.z,
-    }
 }

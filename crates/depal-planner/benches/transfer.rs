@@ -14,7 +14,7 @@ use depal_planner::{TransferChecker, TransferGoal, plan_transfer};
 mod cell;
 #[path = "../tests/transfers/hard_set.rs"]
 mod hard_set;
-#[path = "../tests/transfers/oracle.rs"]
+#[path = "../tests/transfers/oracle/mod.rs"]
 mod oracle;
 
 use cell::{goal, obstacles, scene, transfers};

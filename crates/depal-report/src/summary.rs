@@ -6,7 +6,7 @@ use crate::report::Report;
 const ADVICE: &[(&str, &str)] = &[
     (
         "no_detection",
-        "nothing was seen: look at the depth picture of the replay, camera.xyz_mm and camera.blackout",
+        "nothing was seen: look at the depth picture of the replay, camera.xyz_mm, cartons.size_mm and camera.blackout",
     ),
     (
         "wrong_box",

@@ -10,6 +10,8 @@ use crate::error::SceneProblem;
 
 /// Tables nested deeper than this are refused: no scene needs it, and recursion stays bounded.
 const MAX_DEPTH: usize = 16;
+/// Lines with syntax errors that are named.
+const MAX_SYNTAX_PROBLEMS: usize = 3;
 
 /// A text that values come from.
 #[derive(Debug, Clone)]
@@ -117,12 +119,8 @@ pub(crate) fn parse(
 ) -> Option<Table> {
     let origin = &sources[source];
     let (table, errors) = DeTable::parse_recoverable(&origin.text);
-    for error in &errors {
-        let span = error.span().unwrap_or(0..0);
-        let message = format!("not TOML: {}", error.message().replace('\n', ", "));
-        problems.push(origin.problem(&span, "", message, None));
-    }
     if !errors.is_empty() {
+        problems.extend(syntax_problems(origin, &errors));
         return None;
     }
     let mut refusals = Vec::new();
@@ -132,6 +130,30 @@ pub(crate) fn parse(
         problems.push(origin.problem(&span, "", message, None));
     }
     (!refused).then_some(table)
+}
+
+/// Syntax errors, one for a line. One slip, such as a bracket that is left open, spoils every line behind it:
+/// so only the first lines are named.
+fn syntax_problems(origin: &Source, errors: &[toml::de::Error]) -> Vec<SceneProblem> {
+    let mut found: Vec<SceneProblem> = Vec::new();
+    for error in errors {
+        let span = error.span().unwrap_or(0..0);
+        let message = format!("not TOML: {}", error.message().replace('\n', ", "));
+        let problem = origin.problem(&span, "", message, None);
+        if found.last().is_none_or(|last| last.line != problem.line) {
+            found.push(problem);
+        }
+    }
+    let more = found.len().saturating_sub(MAX_SYNTAX_PROBLEMS);
+    found.truncate(MAX_SYNTAX_PROBLEMS);
+    if more > 0
+        && let Some(last) = found.last_mut()
+    {
+        last.hint = Some(format!(
+            "{more} more lines cannot be read, maybe for the same reason: look at the first one and what stands before it"
+        ));
+    }
+    found
 }
 
 type Refusals = Vec<(Range<usize>, String)>;

@@ -1,8 +1,9 @@
-//! The one place of this crate that reads files.
+//! How this crate reads files.
 
 use std::io;
 
 use crate::embedded;
+use crate::missing::with_advice;
 
 /// Gives the text of a path; paths that begin with `embedded:` name files inside the program.
 pub type Resolver<'a> = &'a dyn Fn(&str) -> io::Result<String>;
@@ -10,13 +11,13 @@ pub type Resolver<'a> = &'a dyn Fn(&str) -> io::Result<String>;
 /// Reads a text file, or an embedded one for `embedded:PATH`.
 ///
 /// # Errors
-/// Not found, not readable, not UTF-8.
+/// Not found, not readable, not UTF-8; with what to try instead, where that is known.
 pub fn read_text(path: &str) -> io::Result<String> {
     match path.strip_prefix(EMBEDDED) {
         Some(name) => embedded::text(name).map(str::to_owned).ok_or_else(|| {
             io::Error::new(io::ErrorKind::NotFound, "no such file inside the program")
         }),
-        None => std::fs::read_to_string(path),
+        None => std::fs::read_to_string(path).map_err(|error| with_advice(path, error)),
     }
 }
 

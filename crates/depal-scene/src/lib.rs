@@ -37,6 +37,7 @@ mod language;
 mod layout;
 mod load;
 mod mesh_files;
+mod missing;
 mod packages;
 mod plc;
 mod reader;
@@ -62,6 +63,7 @@ pub use interface::{Interface, InterfaceProfile, Latency, RobotBrand, WireEncodi
 pub use language::Language;
 pub use layout::{CartonPlacement, carton_layout};
 pub use mesh_files::MeshFiles;
+pub use missing::with_advice;
 pub use plc::{BranchChoice, PathFetch, PathSource, Plc};
 pub use robot::{HexByteOrder, Robot, Signal, SignalKind};
 pub use rules::Span;

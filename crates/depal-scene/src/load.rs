@@ -4,6 +4,7 @@ use crate::document::{Node, Place, Source, Table, Value, apply_override, merge, 
 use crate::equip::equip;
 use crate::error::{SceneErrors, SceneProblem};
 use crate::files::{EMBEDDED, Resolver, beside, read_text};
+use crate::language::Language;
 use crate::reader::{Reader, Section as _};
 use crate::scene::Scene;
 
@@ -99,19 +100,29 @@ impl Scene {
         overrides: &[(String, String)],
         seed: Option<u64>,
     ) -> Result<Self, SceneErrors> {
-        match read_text(path) {
-            Ok(text) => Self::load(&text, path, overrides, seed, &read_text),
-            Err(error) => Err(SceneErrors {
+        let refused = |message: String, hint: Option<String>| {
+            Err(SceneErrors {
                 problems: vec![SceneProblem {
                     source: path.to_owned(),
                     line: 0,
                     column: 0,
                     key: String::new(),
-                    message: format!("cannot read the scene: {error}"),
-                    hint: None,
+                    message,
+                    hint,
                     source_line: String::new(),
                 }],
-            }),
+            })
+        };
+        match (read_text(path), Language::of(path)) {
+            (Err(error), _) => refused(format!("cannot read the scene: {error}"), None),
+            (Ok(_), Some(language)) => refused(
+                format!(
+                    "expected a scene (.toml), found a {} program",
+                    language.name()
+                ),
+                Some("name it in a scene as robot.program".to_owned()),
+            ),
+            (Ok(text), None) => Self::load(&text, path, overrides, seed, &read_text),
         }
     }
 }

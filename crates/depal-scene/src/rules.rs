@@ -89,6 +89,40 @@ impl Rule for Number {
     }
 }
 
+/// Every value of a list as `rule` reads it; each that is wrong is told.
+fn each_of<R: Rule>(
+    rule: &R,
+    items: &[Node],
+    key: &str,
+    reader: &mut Reader<'_>,
+) -> Option<Vec<R::Output>> {
+    let read: Vec<Option<R::Output>> = items
+        .iter()
+        .enumerate()
+        .map(|(position, item)| rule.read(item, &format!("{key}[{position}]"), reader))
+        .collect();
+    read.into_iter().collect()
+}
+
+/// As [`each_of`], of a list of `N`.
+fn exactly<R: Rule, const N: usize>(
+    rule: &R,
+    expected: &str,
+    node: &Node,
+    key: &str,
+    reader: &mut Reader<'_>,
+) -> Option<[R::Output; N]> {
+    match &node.value {
+        Value::List(items) if items.len() == N => {
+            each_of(rule, items, key, reader)?.try_into().ok()
+        }
+        _ => {
+            reader.unexpected(node, key, expected);
+            None
+        }
+    }
+}
+
 /// `N` numbers in a list.
 pub(crate) struct Numbers<const N: usize>(pub(crate) Number);
 
@@ -96,23 +130,8 @@ impl<const N: usize> Rule for Numbers<N> {
     type Output = [f64; N];
 
     fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<[f64; N]> {
-        let items = match &node.value {
-            Value::List(items) if items.len() == N => items,
-            _ => {
-                let expected = format!("{N} numbers, each {}", self.0.expected());
-                reader.unexpected(node, key, &expected);
-                return None;
-            }
-        };
-        let mut numbers = [0.0; N];
-        let mut whole = true;
-        for (position, item) in items.iter().enumerate() {
-            match self.0.read(item, &format!("{key}[{position}]"), reader) {
-                Some(number) => numbers[position] = number,
-                None => whole = false,
-            }
-        }
-        whole.then_some(numbers)
+        let expected = format!("{N} numbers, each {}", self.0.expected());
+        exactly(&self.0, &expected, node, key, reader)
     }
 
     fn schema(&self) -> Json {
@@ -223,22 +242,8 @@ impl<const N: usize> Rule for Wholes<N> {
     type Output = [u32; N];
 
     fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<[u32; N]> {
-        let items = match &node.value {
-            Value::List(items) if items.len() == N => items,
-            _ => {
-                reader.unexpected(node, key, &format!("a list of {N} whole numbers"));
-                return None;
-            }
-        };
-        let mut numbers = [0; N];
-        let mut whole = true;
-        for (position, item) in items.iter().enumerate() {
-            match self.0.read(item, &format!("{key}[{position}]"), reader) {
-                Some(number) => numbers[position] = number,
-                None => whole = false,
-            }
-        }
-        whole.then_some(numbers)
+        let expected = format!("a list of {N} whole numbers");
+        exactly(&self.0, &expected, node, key, reader)
     }
 
     fn schema(&self) -> Json {
@@ -303,20 +308,16 @@ impl<R: Rule> Rule for ListOf<R> {
     type Output = Vec<R::Output>;
 
     fn read(&self, node: &Node, key: &str, reader: &mut Reader<'_>) -> Option<Self::Output> {
-        let items = match &node.value {
-            Value::List(items) if (self.1..=self.2).contains(&items.len()) => items,
+        match &node.value {
+            Value::List(items) if (self.1..=self.2).contains(&items.len()) => {
+                each_of(&self.0, items, key, reader)
+            }
             _ => {
                 let expected = format!("a list of {} to {} values", self.1, self.2);
                 reader.unexpected(node, key, &expected);
-                return None;
+                None
             }
-        };
-        let read: Vec<Option<R::Output>> = items
-            .iter()
-            .enumerate()
-            .map(|(position, item)| self.0.read(item, &format!("{key}[{position}]"), reader))
-            .collect();
-        read.into_iter().collect()
+        }
     }
 
     fn schema(&self) -> Json {
@@ -389,12 +390,7 @@ impl<R: Rule> Rule for OneOrMore<R> {
             reader.unexpected(node, key, &expected);
             return None;
         }
-        let read: Vec<Option<R::Output>> = items
-            .iter()
-            .enumerate()
-            .map(|(position, item)| self.0.read(item, &format!("{key}[{position}]"), reader))
-            .collect();
-        read.into_iter().collect()
+        each_of(&self.0, items, key, reader)
     }
 
     fn schema(&self) -> Json {

@@ -29,6 +29,10 @@ section! {
         id: u16, whole(1, 999), required;
         /// Carton size or a list of sizes, each [length, width, height] in mm.
         box_mm: Vec<[f64; 3]>, OneOrMore(Numbers::<3>(LENGTH_MM), 32), required;
+        /// What goes out as label with a carton of each size, in the order of the sizes: whole numbers as text.
+        /// A found size without a label is answered with 1010, a label that is no whole number with 1017.
+        /// Default: the size's place in the list, from 0.
+        labels: Vec<String>, ListOf(Text, 0, 32), default(Vec::new());
     }
 }
 
@@ -63,6 +67,10 @@ section! {
         camera: String, Text, default("overhead".to_owned());
         /// Carton size or a list of sizes, each [length, width, height] in mm.
         box_mm: Vec<[f64; 3]>, OneOrMore(Numbers::<3>(LENGTH_MM), 32), required;
+        /// What goes out as label with a carton of each size, in the order of the sizes: whole numbers as text.
+        /// A found size without a label is answered with 1010, a label that is no whole number with 1017.
+        /// Default: the size's place in the list, from 0.
+        labels: Vec<String>, ListOf(Text, 0, 32), default(Vec::new());
         /// What it answers with.
         /// Default poses: the plain case.
         output: ProjectOutput, one_of(), default(ProjectOutput::Poses);

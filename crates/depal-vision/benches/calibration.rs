@@ -3,68 +3,26 @@
 #![allow(missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use depal_camera::{CameraSpec, Decal, Material, RenderShape, SensorSpec, capture_with_decals};
-use depal_frames::{DepthFrame, Intrinsics, Pose, Rotation, Shape, Vector};
-use depal_vision::calibration::{Capture, CircleBoard, Mounting, calibrate, find_board};
+use depal_camera::{Material, SensorSpec, capture_with_decals};
+use depal_frames::{DepthFrame, Pose, Rotation, Shape, Vector};
+use depal_vision::calibration::{Capture, Mounting, calibrate, find_board};
 
-const BOARD: CircleBoard = CircleBoard {
-    columns: 9,
-    rows: 7,
-    pitch: 0.040,
-    disc_diameter: 0.020,
-};
+use board::{BOARD, board_bodies, camera, solid};
+
+#[path = "../tests/board/mod.rs"]
+mod board;
 
 /// The board before a wall, in the camera frame.
 fn picture(camera_from_board: &Pose, seed: u64) -> DepthFrame {
-    let spec = CameraSpec {
-        intrinsics: Intrinsics {
-            width: 1280,
-            height: 1024,
-            fx: 1600.0,
-            fy: 1600.0,
-            cx: 640.0,
-            cy: 512.0,
-        },
-        near: 0.5,
-        far: 5.0,
-        baseline: 0.3,
-        sensor: SensorSpec::laser_structured_light(),
-    };
-    let shape = |pose: Pose, shape: Shape, id: u32, material: Material| RenderShape {
-        world_from_shape: pose,
-        shape,
-        id,
-        material,
-        edge_radius: 0.0,
-    };
-    let [x, y] = BOARD.plate_size();
-    let shapes = [
-        shape(
-            Pose::translation(0.0, 0.0, 3.5),
-            Shape::cuboid(6.0, 6.0, 0.1),
-            1,
-            Material::CONCRETE,
-        ),
-        shape(
-            camera_from_board * Pose::translation(0.0, 0.0, -0.005),
-            Shape::cuboid(x, y, 0.01),
-            2,
-            Material::LABEL,
-        ),
-    ];
-    let print = Decal {
-        world_from_decal: *camera_from_board,
-        id: 2,
-        discs: BOARD
-            .nodes()
-            .map(|(c, r)| {
-                let centre = BOARD.centre(c, r);
-                ([centre.x, centre.y], BOARD.diameter(c, r) / 2.0)
-            })
-            .collect(),
-        bare: Material::LABEL.albedo,
-        ink: 0.06,
-    };
+    let spec = camera(SensorSpec::laser_structured_light());
+    let wall = solid(
+        Pose::translation(0.0, 0.0, 3.5),
+        Shape::cuboid(6.0, 6.0, 0.1),
+        1,
+        Material::CONCRETE,
+    );
+    let (plate, print) = board_bodies(&BOARD, camera_from_board);
+    let shapes = [wall, plate];
     capture_with_decals(&spec, &Pose::identity(), &shapes, &[print], seed).frame
 }
 

@@ -11,9 +11,11 @@ use std::time::Instant;
 
 use cases::Case;
 use depal_camera::{CameraSpec, SensorSpec};
-use depal_frames::{DepthFrame, Intrinsics};
+use depal_frames::DepthFrame;
 use depal_vision::{Stage, VisionSettings, detect, detect_any_size, detect_staged};
-use rendered::{Carton, Layout, Score, camera, layer, looking_down, picture, quantile, stacked};
+use rendered::{
+    Carton, Layout, Score, camera, layer, looking_down, picture, quantile, small_stereo, stacked,
+};
 
 #[path = "../tests/cases/mod.rs"]
 mod cases;
@@ -106,22 +108,6 @@ fn of_all_seeds(work: impl Fn(u64) -> Score + Sync) -> Score {
 
 fn row(layout: Layout, gap_mm: f64, preset: &str, sensor: SensorSpec, distance: f64) {
     row_of(layout, gap_mm, preset, &camera(sensor), distance);
-}
-
-/// Active stereo with a picture of its own class: 1280 x 720, 640 px, projector at 50 mm.
-fn small_stereo() -> CameraSpec {
-    CameraSpec {
-        intrinsics: Intrinsics {
-            width: 1280,
-            height: 720,
-            fx: 640.0,
-            fy: 640.0,
-            cx: 639.5,
-            cy: 359.5,
-        },
-        baseline: 0.05,
-        ..camera(SensorSpec::active_stereo())
-    }
 }
 
 fn row_of(layout: Layout, gap_mm: f64, preset: &str, spec: &CameraSpec, distance: f64) {

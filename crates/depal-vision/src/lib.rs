@@ -87,6 +87,7 @@ mod gate;
 mod ink;
 mod inset;
 mod joint;
+mod lean;
 mod level;
 mod measure;
 mod misfit;

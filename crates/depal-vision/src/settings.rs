@@ -43,7 +43,8 @@ pub struct VisionSettings {
     /// 4 mm: cartons bulge and the edge of a noisy frame lies within a pixel.
     pub size_tolerance: f64,
     /// Largest angle between a top face's normal and the direction to the camera.
-    /// 15 degrees: a leaning stack passes, side faces never do.
+    /// 40 degrees: leaning stacks and cameras that look from the side pass; side faces, square to tops, are then at 50
+    /// degrees or more.
     pub max_tilt: f64,
     /// Smallest share of a top face that must be seen as surface. The rest may only be hidden
     /// (a taller neighbour in the line of sight, a shadow), never covered or missing.
@@ -72,7 +73,7 @@ impl VisionSettings {
             step: 0.004,
             plane_tolerance: 0.004,
             size_tolerance: 0.004,
-            max_tilt: 15f64.to_radians(),
+            max_tilt: 40f64.to_radians(),
             min_visible: 0.7,
             max_surface_side: 2.0,
             smear_px: 0,

@@ -1,6 +1,6 @@
 //! Stage 2: the step mask. A pixel is surface when nothing within two pixels is much nearer.
 
-use crate::gate::DepthImage;
+use crate::{gate::DepthImage, lean::Lean};
 
 /// Half of the window: 5 x 5 pixels, so that a line of gap pixels parts two surfaces even where
 /// noise has closed it for up to four pixels.
@@ -10,7 +10,8 @@ const WINDOW: usize = 2 * REACH + 1;
 /// 1 for surface pixels at least two pixels away from every step, hole and border of the region.
 ///
 /// Two running minima of 5 x 5, one over depth and one over what is surface, go down the image
-/// together, so that only a dozen rows are in use at a time.
+/// together, so that only a dozen rows are in use at a time. Where the camera leans against the
+/// level faces, depths are counted along their common direction.
 pub fn surface_mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
     pulp::Arch::new().dispatch(MaskJob { image, holes, step })
 }
@@ -36,6 +37,7 @@ fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
     let step = step as f32;
     let (width, height) = (image.width, image.height);
     let mut mask = vec![0u8; width * height];
+    let lean = Lean::of(image, f64::from(step));
     let (top, bottom) = image.window.rows;
     let mut nearest = RollingMin::new(width, f32::MAX);
     let mut eroded = RollingMin::new(width, 0u8);
@@ -53,6 +55,9 @@ fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
                     row.depth[i - v * width] = *z;
                     row.inside[i - v * width] = 1;
                 }
+            }
+            if let Some(lean) = lean {
+                row.flatten(lean.factors(image, v));
             }
             nearest.push(v, &row.depth);
         } else {
@@ -106,6 +111,14 @@ impl FilledRow {
             *out = if z > 0.0 { z } else { f32::MAX };
         }
         self.inside.copy_from_slice(&image.in_region[range]);
+    }
+
+    /// Multiplies each depth by a factor that grows from column to column.
+    #[inline(always)]
+    fn flatten(&mut self, (first, more): (f32, f32)) {
+        for (u, z) in self.depth.iter_mut().enumerate() {
+            *z *= first + more * u as f32;
+        }
     }
 }
 

@@ -2,29 +2,15 @@
 //! the tops it says enough where gaps let the projector's shadow in.
 
 use depal_camera::{CameraSpec, SensorSpec};
-use depal_frames::{DepthFrame, Intrinsics};
+use depal_frames::DepthFrame;
 use depal_vision::{VisionSettings, detect};
-use rendered::{Layout, Score, camera, layer, looking_down, picture, quantile, stacked};
+use rendered::{
+    Layout, Score, camera, layer, looking_down, picture, quantile, small_stereo, stacked,
+};
 
 mod rendered;
 
 const TOP: f64 = 0.75;
-
-/// The class's own picture: 1280 x 720, 640 px, projector at 50 mm; 3.1 mm per pixel at 2 m.
-fn small_camera() -> CameraSpec {
-    CameraSpec {
-        intrinsics: Intrinsics {
-            width: 1280,
-            height: 720,
-            fx: 640.0,
-            fy: 640.0,
-            cx: 639.5,
-            cy: 359.5,
-        },
-        baseline: 0.05,
-        ..camera(SensorSpec::active_stereo())
-    }
-}
 
 fn frame_of(
     spec: &CameraSpec,
@@ -57,7 +43,7 @@ fn score(spec: &CameraSpec, layout: Layout, gap_mm: f64, distance: f64) -> Score
 
 #[test]
 fn packed_cartons_with_gaps() {
-    for spec in [camera(SensorSpec::active_stereo()), small_camera()] {
+    for spec in [camera(SensorSpec::active_stereo()), small_stereo()] {
         for (layout, distance) in [
             (Layout::Regular20, 2.0),
             (Layout::Brick, 2.0),
@@ -81,7 +67,7 @@ fn packed_cartons_with_gaps() {
 /// Without a gap only heights would tell, and those drown: what several readings fit is refused.
 #[test]
 fn butted_cartons_are_not_mistaken() {
-    for spec in [camera(SensorSpec::active_stereo()), small_camera()] {
+    for spec in [camera(SensorSpec::active_stereo()), small_stereo()] {
         for distance in [1.5, 2.0] {
             for layout in [Layout::Brick, Layout::Pinwheel, Layout::Regular] {
                 assert_eq!(score(&spec, layout, 0.0, distance).false_positives, 0);

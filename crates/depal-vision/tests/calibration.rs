@@ -1,226 +1,21 @@
 //! From pictures to the camera's pose: the board is rendered with all sensor effects, found,
 //! and the camera's pose estimated, with the arm's repeatability on.
 
-use depal_camera::{
-    CameraSpec, Decal, Material, RenderShape, SensorSpec, capture, capture_with_decals,
-};
+use depal_camera::{Material, SensorSpec, capture, capture_with_decals};
 use depal_frames::{DepthFrame, Intrinsics, Point, Pose, Rotation, Shape, Vector};
-use depal_time::{RandomStream, RandomStreams};
+use depal_time::RandomStreams;
 use depal_vision::calibration::{
-    CaptureProblem, CircleBoard, Mounting, PosePlan, Session, find_board, plan_poses,
+    CaptureProblem, CircleBoard, Mounting, Session, find_board, plan_poses,
 };
 
-const BOARD_ID: u32 = 77;
-const PLATE: f64 = 0.01;
+use board::{BOARD, board_bodies, camera, solid};
+use pictured_cell::{
+    base_from_camera, corner_error, flange_from_board, nothing_in_the_way, picture, plan, repeated,
+    rough, surroundings,
+};
 
-fn board() -> CircleBoard {
-    CircleBoard {
-        columns: 9,
-        rows: 7,
-        pitch: 0.040,
-        disc_diameter: 0.020,
-    }
-}
-
-fn camera(sensor: SensorSpec) -> CameraSpec {
-    CameraSpec {
-        intrinsics: Intrinsics {
-            width: 1280,
-            height: 1024,
-            fx: 1600.0,
-            fy: 1600.0,
-            cx: 640.0,
-            cy: 512.0,
-        },
-        near: 0.5,
-        far: 5.0,
-        baseline: 0.3,
-        sensor,
-    }
-}
-
-/// Above the pallet, looking down, not quite straight.
-fn base_from_camera() -> Pose {
-    Pose::from_parts(
-        Vector::new(1.72, 0.03, 3.68).into(),
-        Rotation::from_euler_angles(3.12, 0.02, 1.58),
-    )
-}
-
-/// The board stands out beside the tool and looks back past the flange.
-fn flange_from_board() -> Pose {
-    Pose::from_parts(
-        Vector::new(0.55, 0.02, 0.25).into(),
-        Rotation::from_euler_angles(std::f64::consts::PI + 0.01, 0.02, 0.03),
-    )
-}
-
-fn solid(pose: Pose, shape: Shape, id: u32, material: Material) -> RenderShape {
-    RenderShape {
-        world_from_shape: pose,
-        shape,
-        id,
-        material,
-        edge_radius: 0.0,
-    }
-}
-
-/// The plate, and its print.
-fn board_bodies(board: &CircleBoard, base_from_board: &Pose) -> (RenderShape, Decal) {
-    let [x, y] = board.plate_size();
-    let plate = solid(
-        base_from_board * Pose::translation(0.0, 0.0, -PLATE / 2.0),
-        Shape::cuboid(x, y, PLATE),
-        BOARD_ID,
-        Material::LABEL,
-    );
-    let discs = board
-        .nodes()
-        .map(|(c, r)| {
-            let centre = board.centre(c, r);
-            ([centre.x, centre.y], board.diameter(c, r) / 2.0)
-        })
-        .collect();
-    let print = Decal {
-        world_from_decal: *base_from_board,
-        id: BOARD_ID,
-        discs,
-        bare: Material::LABEL.albedo,
-        ink: 0.06,
-    };
-    (plate, print)
-}
-
-/// Floor, pallet with a layer of cartons, and a rough arm with a gripper at the flange.
-fn surroundings(base_from_flange: &Pose) -> Vec<RenderShape> {
-    let mut shapes = vec![
-        solid(
-            Pose::translation(1.7, 0.0, -0.05),
-            Shape::cuboid(8.0, 8.0, 0.1),
-            1,
-            Material::CONCRETE,
-        ),
-        solid(
-            Pose::translation(1.7, 0.0, 0.072),
-            Shape::cuboid(0.8, 1.2, 0.144),
-            2,
-            Material::WOOD,
-        ),
-    ];
-    for k in 0..8 {
-        let (i, j) = (f64::from(k % 2) - 0.5, f64::from(k / 2) - 1.5);
-        shapes.push(solid(
-            Pose::translation(1.7 + i * 0.404, j * 0.304, 0.269),
-            Shape::cuboid(0.4, 0.3, 0.25),
-            10 + k as u32,
-            Material::KRAFT,
-        ));
-    }
-    let gripper = base_from_flange * Pose::translation(0.0, 0.0, 0.25);
-    shapes.push(solid(
-        gripper,
-        Shape::cuboid(0.62, 0.4, 0.06),
-        30,
-        Material::PAINT,
-    ));
-    let flange = base_from_flange.translation.vector;
-    let elbow = Vector::new(0.5, 0.0, 2.0);
-    let along = elbow - flange;
-    let turn = Rotation::rotation_between(&Vector::z(), &along).unwrap_or_else(Rotation::identity);
-    shapes.push(solid(
-        Pose::from_parts(((flange + elbow) / 2.0).into(), turn),
-        Shape::Capsule {
-            half_length: along.norm() / 2.0,
-            radius: 0.12,
-        },
-        31,
-        Material::PAINT,
-    ));
-    shapes
-}
-
-fn picture(
-    board: &CircleBoard,
-    base_from_flange: &Pose,
-    spec: &CameraSpec,
-    seed: u64,
-) -> DepthFrame {
-    let (plate, print) = board_bodies(board, &(base_from_flange * flange_from_board()));
-    let mut shapes = surroundings(base_from_flange);
-    shapes.push(plate);
-    capture_with_decals(spec, &base_from_camera(), &shapes, &[print], seed).frame
-}
-
-/// A pose as the arm really takes it up: 0.05 mm and 0.005 degrees (0.05 mm at 0.6 m) beside the reported one.
-fn repeated(pose: &Pose, random: &mut RandomStream) -> Pose {
-    let mut normal = |sigma: f64| {
-        Vector::new(
-            random.normal(sigma),
-            random.normal(sigma),
-            random.normal(sigma),
-        )
-    };
-    let shift = normal(0.05e-3);
-    let turn = normal(0.005_f64.to_radians());
-    Pose::from_parts(
-        (pose.translation.vector + shift).into(),
-        Rotation::new(turn) * pose.rotation,
-    )
-}
-
-fn rough(pose: &Pose) -> Pose {
-    // What a user measures: 20 mm and a degree off.
-    Pose::from_parts(
-        (pose.translation.vector + Vector::new(0.02, -0.015, 0.02)).into(),
-        Rotation::new(Vector::new(0.015, 0.01, -0.015)) * pose.rotation,
-    )
-}
-
-fn plan(count: usize) -> PosePlan {
-    PosePlan {
-        board: board(),
-        mounting: Mounting::EyeToHand,
-        intrinsics: camera(SensorSpec::ideal()).intrinsics,
-        camera: rough(&base_from_camera()),
-        board_pose: rough(&flange_from_board()),
-        region: Pose::translation(1.7, 0.0, 1.2),
-        half_extents: Vector::new(0.35, 0.45, 0.45),
-        max_tilt: 30f64.to_radians(),
-        count,
-    }
-}
-
-/// The whole plate is seen: nothing of arm or gripper lies before it.
-fn nothing_in_the_way(base_from_flange: &Pose) -> bool {
-    let mut spec = camera(SensorSpec::ideal());
-    let i = &mut spec.intrinsics;
-    (i.width, i.height) = (i.width / 4, i.height / 4);
-    (i.fx, i.fy, i.cx, i.cy) = (i.fx / 4.0, i.fy / 4.0, i.cx / 4.0, i.cy / 4.0);
-    let (plate, _) = board_bodies(&board(), &(base_from_flange * flange_from_board()));
-    let count = |shapes: &[RenderShape]| {
-        let shot = capture(&spec, &base_from_camera(), shapes, 0);
-        shot.ids.iter().filter(|id| **id == BOARD_ID).count()
-    };
-    let mut all = surroundings(base_from_flange);
-    all.push(plate.clone());
-    let flange = base_from_flange.translation.vector;
-    count(&all) == count(&[plate]) && flange.xy().norm() < 2.6
-}
-
-/// Mean error over the corners of the pallet volume, metres.
-fn corner_error(found: &Pose, truth: &Pose) -> f64 {
-    let mut sum = 0.0;
-    for k in 0..8 {
-        let side = |bit: usize| if k & bit == 0 { -0.5 } else { 0.5 };
-        let corner = Point::new(
-            1.7 + 0.8 * side(1),
-            1.2 * side(2),
-            0.144 + 0.75 + 1.5 * side(4),
-        );
-        sum += (found * truth.inverse_transform_point(&corner) - corner).norm();
-    }
-    sum / 8.0
-}
+mod board;
+mod pictured_cell;
 
 #[test]
 fn disc_centres_are_found_to_a_fraction_of_a_millimetre() {
@@ -235,11 +30,11 @@ fn disc_centres_are_found_to_a_fraction_of_a_millimetre() {
         ("laser", laser, 0.3e-3),
     ] {
         for (k, pose) in poses.iter().enumerate() {
-            let frame = picture(&board(), pose, &camera(sensor), k as u64);
-            let view = find_board(&frame, &board()).unwrap_or_else(|e| panic!("{name} {k}: {e}"));
+            let frame = picture(&BOARD, pose, &camera(sensor), k as u64);
+            let view = find_board(&frame, &BOARD).unwrap_or_else(|e| panic!("{name} {k}: {e}"));
             let truth = base_from_camera().inverse() * pose * flange_from_board();
             let mut squares = 0.0;
-            for (b, c) in board().centres().iter().zip(&view.centres) {
+            for (b, c) in BOARD.centres().iter().zip(&view.centres) {
                 squares += (truth * b - c).norm_squared();
             }
             let rms = (squares / view.centres.len() as f64).sqrt();
@@ -261,10 +56,10 @@ fn fixed_camera_from_pictures() {
     let poses = plan_poses(&plan(15), nothing_in_the_way).unwrap();
     for seed in 1..=3 {
         let mut random = RandomStreams::new(seed).stream("arm");
-        let mut session = Session::new(board(), Mounting::EyeToHand, poses.clone()).unwrap();
+        let mut session = Session::new(BOARD, Mounting::EyeToHand, poses.clone()).unwrap();
         while let Some(pose) = session.next_pose().copied() {
             let really = repeated(&pose, &mut random);
-            let frame = picture(&board(), &really, &spec, random.next_u64());
+            let frame = picture(&BOARD, &really, &spec, random.next_u64());
             session.capture(&frame, &pose).unwrap();
         }
         let found = session.finish().unwrap();
@@ -300,8 +95,8 @@ fn camera_on_the_flange_from_pictures() {
     plan.half_extents = Vector::new(0.7, 0.7, 0.3);
     let poses = plan_poses(&plan, |_| true).unwrap();
     let mut random = RandomStreams::new(1).stream("arm");
-    let mut session = Session::new(board(), Mounting::EyeInHand, poses).unwrap();
-    let (plate, print) = board_bodies(&board(), &base_from_board);
+    let mut session = Session::new(BOARD, Mounting::EyeInHand, poses).unwrap();
+    let (plate, print) = board_bodies(&BOARD, &base_from_board);
     let mut shapes = surroundings(&Pose::translation(0.5, 2.0, 1.0));
     shapes.push(plate);
     let decals = [print];
@@ -369,14 +164,14 @@ fn any_picture_gets_an_answer() {
                 _ => 200,
             };
         }
-        assert!(find_board(&frame, &board()).is_err());
+        assert!(find_board(&frame, &BOARD).is_err());
     }
     for bad in [0.0, f64::NAN] {
         let mut frame = DepthFrame::blank(camera(SensorSpec::ideal()).intrinsics);
         frame.intrinsics.fx = bad;
         frame.depth.fill(1.0);
         frame.intensity.fill(100);
-        assert!(find_board(&frame, &board()).is_err());
+        assert!(find_board(&frame, &BOARD).is_err());
     }
 }
 
@@ -384,14 +179,14 @@ fn any_picture_gets_an_answer() {
 fn refused_pictures_say_why() {
     let spec = camera(SensorSpec::laser_structured_light());
     let pose = plan_poses(&plan(1), nothing_in_the_way).unwrap()[0];
-    let frame = picture(&board(), &pose, &spec, 1);
-    assert!(find_board(&frame, &board()).is_ok());
+    let frame = picture(&BOARD, &pose, &spec, 1);
+    assert!(find_board(&frame, &BOARD).is_ok());
 
     // Other boards.
     let wrong = |other: CircleBoard| find_board(&frame, &other).unwrap_err();
     let fewer = wrong(CircleBoard {
         columns: 8,
-        ..board()
+        ..BOARD
     });
     assert!(
         matches!(fewer, CaptureProblem::WrongBoard { .. }),
@@ -399,7 +194,7 @@ fn refused_pictures_say_why() {
     );
     let more = wrong(CircleBoard {
         columns: 10,
-        ..board()
+        ..BOARD
     });
     assert!(
         matches!(
@@ -414,7 +209,7 @@ fn refused_pictures_say_why() {
     let wider = wrong(CircleBoard {
         pitch: 0.052,
         disc_diameter: 0.026,
-        ..board()
+        ..BOARD
     });
     assert!(
         matches!(wider, CaptureProblem::WrongBoard { .. }),
@@ -422,7 +217,7 @@ fn refused_pictures_say_why() {
     );
     let discs = wrong(CircleBoard {
         disc_diameter: 0.0145,
-        ..board()
+        ..BOARD
     });
     assert!(
         matches!(discs, CaptureProblem::WrongBoard { .. }),
@@ -430,16 +225,16 @@ fn refused_pictures_say_why() {
     );
 
     // The large discs in other places.
-    let (plate, mut print) = board_bodies(&board(), &(pose * flange_from_board()));
-    let ordinary = board().disc_diameter / 2.0;
-    for (n, (c, r)) in board().nodes().enumerate() {
+    let (plate, mut print) = board_bodies(&BOARD, &(pose * flange_from_board()));
+    let ordinary = BOARD.disc_diameter / 2.0;
+    for (n, (c, r)) in BOARD.nodes().enumerate() {
         let mark = [(0, 0), (2, 0), (0, 2)].contains(&(c, r));
         print.discs[n].1 = if mark { 1.5 * ordinary } else { ordinary };
     }
     let mut shapes = surroundings(&pose);
     shapes.push(plate);
     let moved = capture_with_decals(&spec, &base_from_camera(), &shapes, &[print], 1).frame;
-    let problem = find_board(&moved, &board()).unwrap_err();
+    let problem = find_board(&moved, &BOARD).unwrap_err();
     assert!(
         matches!(problem, CaptureProblem::WrongBoard { .. }),
         "{problem}"
@@ -447,7 +242,7 @@ fn refused_pictures_say_why() {
 
     // Something lies on a corner of the board.
     let base_from_board = pose * flange_from_board();
-    let (plate, print) = board_bodies(&board(), &base_from_board);
+    let (plate, print) = board_bodies(&BOARD, &base_from_board);
     let mut shapes = surroundings(&pose);
     shapes.push(plate);
     shapes.push(solid(
@@ -457,7 +252,7 @@ fn refused_pictures_say_why() {
         Material::PAINT,
     ));
     let covered = capture_with_decals(&spec, &base_from_camera(), &shapes, &[print], 1).frame;
-    let problem = find_board(&covered, &board()).unwrap_err();
+    let problem = find_board(&covered, &BOARD).unwrap_err();
     assert!(
         matches!(problem, CaptureProblem::Partial { expected: 63, found } if (50..63).contains(&found)),
         "{problem}"
@@ -466,19 +261,19 @@ fn refused_pictures_say_why() {
     // No print, no light, no depth, no sense.
     let empty = capture(&spec, &base_from_camera(), &surroundings(&pose), 1).frame;
     assert!(matches!(
-        find_board(&empty, &board()),
+        find_board(&empty, &BOARD),
         Err(CaptureProblem::NoBoard { .. })
     ));
     let mut dark = frame.clone();
     dark.intensity.fill(0);
     assert!(matches!(
-        find_board(&dark, &board()),
+        find_board(&dark, &BOARD),
         Err(CaptureProblem::NoBoard { .. })
     ));
     let mut short = frame.clone();
     short.intensity.clear();
     assert!(matches!(
-        find_board(&short, &board()),
+        find_board(&short, &BOARD),
         Err(CaptureProblem::BadFrame { .. })
     ));
 }

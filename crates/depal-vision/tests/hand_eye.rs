@@ -1,204 +1,23 @@
 //! Laws of the hand-eye estimation on synthetic disc centres: what it recovers, how much better it
 //! is than a plain closed form, and what it refuses.
 
+use depal_camera::SensorSpec;
 use depal_frames::{Intrinsics, Point, Pose, Rotation, Vector};
 use depal_time::{RandomStream, RandomStreams};
 use depal_vision::calibration::{
-    CalibrationProblem, Capture, CircleBoard, Mounting, PosePlan, PoseProblem, TouchedPoint,
-    calibrate, plan_poses, sees_board,
+    CalibrationProblem, Capture, Mounting, PosePlan, PoseProblem, TouchedPoint, calibrate,
+    plan_poses, sees_board,
 };
 
+use board::{BOARD, camera};
+use drawn_cell::{Cell, NONE, Noise, USUAL, vector, within};
+
+mod board;
+mod drawn_cell;
 mod tsai_lenz;
 
-fn board() -> CircleBoard {
-    CircleBoard {
-        columns: 9,
-        rows: 7,
-        pitch: 0.040,
-        disc_diameter: 0.020,
-    }
-}
-
-fn vector(random: &mut RandomStream, sigma: f64) -> Vector {
-    Vector::new(
-        random.normal(sigma),
-        random.normal(sigma),
-        random.normal(sigma),
-    )
-}
-
-fn within(random: &mut RandomStream, half: [f64; 3]) -> Vector {
-    Vector::from(half.map(|h| random.uniform(-h, h)))
-}
-
-/// Noise of arm and sensor, one standard deviation each, metres and radians.
-#[derive(Clone, Copy)]
-struct Noise {
-    arm: f64,
-    arm_turn: f64,
-    /// Each disc centre, sideways and along the view.
-    disc: [f64; 2],
-    /// The whole plane: depth, and tilt.
-    plane: f64,
-    plane_tilt: f64,
-}
-
-const NONE: Noise = Noise {
-    arm: 0.0,
-    arm_turn: 0.0,
-    disc: [0.0; 2],
-    plane: 0.0,
-    plane_tilt: 0.0,
-};
-
-/// A large arm (0.05 mm repeatability, as much again by turning at 0.3 m) and a laser camera at 2.5 m:
-/// disc centres as the detection gives them, and what noise and bowl do to a plane of 0.4 m.
-const USUAL: Noise = Noise {
-    arm: 0.05e-3,
-    arm_turn: 0.00017,
-    disc: [0.03e-3, 0.02e-3],
-    plane: 0.1e-3,
-    plane_tilt: 0.0003,
-};
-
-/// A cell: the true poses and how its motions are drawn.
-struct Cell {
-    mounting: Mounting,
-    /// base_from_camera, or flange_from_camera.
-    camera: Pose,
-    /// flange_from_board, or base_from_board.
-    board: Pose,
-}
-
-impl Cell {
-    fn draw(mounting: Mounting, random: &mut RandomStream) -> Self {
-        let tilt = |random: &mut RandomStream, half: f64| Rotation::new(within(random, [half; 3]));
-        let down = Rotation::new(Vector::x() * std::f64::consts::PI);
-        match mounting {
-            Mounting::EyeToHand => Self {
-                mounting,
-                camera: Pose::from_parts(
-                    (Vector::new(1.7, 0.0, 3.7) + within(random, [0.2; 3])).into(),
-                    down * tilt(random, 0.3),
-                ),
-                board: Pose::from_parts(
-                    (Vector::new(0.5, 0.0, 0.2) + within(random, [0.2; 3])).into(),
-                    down * tilt(random, 0.5),
-                ),
-            },
-            Mounting::EyeInHand => Self {
-                mounting,
-                camera: Pose::from_parts(
-                    (Vector::new(0.2, 0.0, 0.1) + within(random, [0.1; 3])).into(),
-                    tilt(random, 0.3),
-                ),
-                board: Pose::from_parts(
-                    (Vector::new(1.7, 0.0, 0.3) + within(random, [0.2; 3])).into(),
-                    tilt(random, 0.3),
-                ),
-            },
-        }
-    }
-
-    /// The flange at which the board stands at `offset` in the pallet volume (or the camera above the
-    /// board) with a turn about the base's axes.
-    fn flange(&self, offset: Vector, turn: Rotation) -> Pose {
-        match self.mounting {
-            Mounting::EyeToHand => {
-                let board = Pose::from_parts(
-                    (Vector::new(1.7, 0.0, 1.1) + offset).into(),
-                    turn * self.camera.rotation * Rotation::new(Vector::x() * std::f64::consts::PI),
-                );
-                board * self.board.inverse()
-            }
-            Mounting::EyeInHand => {
-                let camera = Pose::from_parts(
-                    (self.board.translation.vector + Vector::new(0.0, 0.0, 1.6) + offset).into(),
-                    turn * Rotation::new(Vector::x() * std::f64::consts::PI),
-                );
-                camera * self.camera.inverse()
-            }
-        }
-    }
-
-    fn camera_from_board(&self, base_from_flange: &Pose) -> Pose {
-        match self.mounting {
-            Mounting::EyeToHand => self.camera.inverse() * base_from_flange * self.board,
-            Mounting::EyeInHand => self.camera.inverse() * base_from_flange.inverse() * self.board,
-        }
-    }
-
-    fn capture(&self, reported: Pose, noise: Noise, random: &mut RandomStream) -> Capture {
-        let really = Pose::from_parts(
-            (reported.translation.vector + vector(random, noise.arm)).into(),
-            Rotation::new(vector(random, noise.arm_turn)) * reported.rotation,
-        );
-        let camera_from_board = self.camera_from_board(&really);
-        let middle = camera_from_board.translation.vector;
-        let tilt = [
-            random.normal(noise.plane_tilt),
-            random.normal(noise.plane_tilt),
-        ];
-        let off = random.normal(noise.plane);
-        let centres_in_camera = board()
-            .centres()
-            .iter()
-            .map(|b| {
-                let p = camera_from_board * b;
-                let from_middle = p.coords - middle;
-                // Depth moves a point along its ray.
-                let dz = off
-                    + tilt[0] * from_middle.x
-                    + tilt[1] * from_middle.y
-                    + random.normal(noise.disc[1]);
-                let ray = p.coords / p.z;
-                let sideways = Vector::new(
-                    random.normal(noise.disc[0]),
-                    random.normal(noise.disc[0]),
-                    0.0,
-                );
-                Point::from(p.coords + ray * dz + sideways)
-            })
-            .collect();
-        Capture {
-            base_from_flange: reported,
-            centres_in_camera,
-        }
-    }
-
-    /// `count` captures with tilts up to 20 degrees and turns up to 40 about the vertical.
-    fn captures(&self, count: usize, noise: Noise, random: &mut RandomStream) -> Vec<Capture> {
-        (0..count)
-            .map(|_| {
-                let offset = within(random, [0.35, 0.3, 0.3]);
-                let turn = Rotation::new(within(random, [0.35, 0.35, 0.7]));
-                self.capture(self.flange(offset, turn), noise, random)
-            })
-            .collect()
-    }
-
-    /// Mean error of the camera's pose over the corners of the volume that it looks at, metres:
-    /// the pallet for a fixed camera, as large a volume 2 m before one on the flange.
-    fn corner_error(&self, found: &Pose) -> f64 {
-        let corners = (0..8).map(|k| {
-            let side = |bit: usize| if k & bit == 0 { -0.5 } else { 0.5 };
-            let corner = Vector::new(1.2 * side(1), 1.0 * side(2), 1.3 * side(4));
-            match self.mounting {
-                Mounting::EyeToHand => self
-                    .camera
-                    .inverse_transform_point(&Point::from(corner + Vector::new(1.7, 0.0, 0.8))),
-                Mounting::EyeInHand => Point::from(corner + Vector::new(0.0, 0.0, 1.7)),
-            }
-        });
-        corners
-            .map(|c| (found * c - self.camera * c).norm())
-            .sum::<f64>()
-            / 8.0
-    }
-}
-
 fn solve(cell: &Cell, captures: &[Capture]) -> Result<Pose, CalibrationProblem> {
-    calibrate(&board(), cell.mounting, captures, &[]).map(|found| found.camera)
+    calibrate(&BOARD, cell.mounting, captures, &[]).map(|found| found.camera)
 }
 
 fn median(values: &mut [f64]) -> f64 {
@@ -216,7 +35,7 @@ fn exact_centres_give_the_exact_camera() {
             let cell = Cell::draw(mounting, &mut random);
             let count = 3 + (seed % 10) as usize;
             let captures = cell.captures(count, NONE, &mut random);
-            let found = match calibrate(&board(), mounting, &captures, &[]) {
+            let found = match calibrate(&BOARD, mounting, &captures, &[]) {
                 Ok(found) => found,
                 // Three or four drawn poses may by chance hardly turn about a second axis.
                 Err(
@@ -253,7 +72,7 @@ fn the_closed_form_to_compare_with_is_sound() {
         let mut random = RandomStreams::new(8).stream("sound");
         let cell = Cell::draw(mounting, &mut random);
         let captures = cell.captures(8, NONE, &mut random);
-        let found = tsai_lenz::camera(&board(), mounting, &captures);
+        let found = tsai_lenz::camera(&BOARD, mounting, &captures);
         assert!(cell.corner_error(&found) < 1e-9);
     }
 }
@@ -268,7 +87,7 @@ fn half_a_millimetre_and_twice_as_good_as_a_closed_form() {
                 let cell = Cell::draw(mounting, &mut random);
                 let captures = cell.captures(count, USUAL, &mut random);
                 joint.push(cell.corner_error(&solve(&cell, &captures).unwrap()));
-                let closed = tsai_lenz::camera(&board(), mounting, &captures);
+                let closed = tsai_lenz::camera(&BOARD, mounting, &captures);
                 plain.push(cell.corner_error(&closed));
             }
             let (joint, plain) = (&mut joint, &mut plain);
@@ -305,8 +124,8 @@ fn the_same_captures_give_the_same_bits() {
     let cell = Cell::draw(Mounting::EyeToHand, &mut random);
     let captures = cell.captures(12, USUAL, &mut random);
     let bits = |pose: &Pose| pose.to_homogeneous().map(f64::to_bits);
-    let once = calibrate(&board(), cell.mounting, &captures, &[]).unwrap();
-    let again = calibrate(&board(), cell.mounting, &captures, &[]).unwrap();
+    let once = calibrate(&BOARD, cell.mounting, &captures, &[]).unwrap();
+    let again = calibrate(&BOARD, cell.mounting, &captures, &[]).unwrap();
     assert_eq!(bits(&once.camera), bits(&again.camera));
     assert_eq!(once, again);
 }
@@ -374,7 +193,7 @@ fn four_axes_need_a_touched_point_and_are_told_so() {
                 point_in_camera: base_from_camera.inverse_transform_point(&point_in_base),
                 base_from_flange: flange,
             };
-            let found = calibrate(&board(), mounting, &captures, &[touched]).unwrap();
+            let found = calibrate(&BOARD, mounting, &captures, &[touched]).unwrap();
             let error = cell.corner_error(&found.camera);
             assert!(error < 2e-3, "{mounting:?} seed {seed}: {} mm", error * 1e3);
         }
@@ -402,7 +221,7 @@ fn without_any_turn_a_touched_point_still_helps() {
         point_in_camera: cell.camera.inverse_transform_point(&point_in_base),
         base_from_flange: Pose::identity(),
     };
-    let found = calibrate(&board(), cell.mounting, &captures, &[touched]).unwrap();
+    let found = calibrate(&BOARD, cell.mounting, &captures, &[touched]).unwrap();
     assert!(cell.corner_error(&found.camera) < 1e-8);
 }
 
@@ -422,7 +241,7 @@ fn poses_in_one_place_are_refused_even_with_a_touched_point() {
             .inverse_transform_point(&Point::new(1.6, 0.2, 0.15)),
         base_from_flange: Pose::identity(),
     };
-    let problem = calibrate(&board(), cell.mounting, &captures, &[touched]).unwrap_err();
+    let problem = calibrate(&BOARD, cell.mounting, &captures, &[touched]).unwrap_err();
     assert!(
         matches!(problem, CalibrationProblem::Unobservable { .. }),
         "{problem}"
@@ -438,7 +257,7 @@ fn a_wrong_pose_is_dropped_and_a_wrong_board_refused() {
     let late = &mut captures[4].base_from_flange;
     late.translation.vector += Vector::new(0.005, 0.005, -0.004);
     late.rotation = Rotation::new(Vector::new(0.0, 0.009, 0.0)) * late.rotation;
-    let found = calibrate(&board(), cell.mounting, &captures, &[]).unwrap();
+    let found = calibrate(&BOARD, cell.mounting, &captures, &[]).unwrap();
     let dropped: Vec<usize> = (0..15).filter(|&k| !found.poses[k].used).collect();
     assert_eq!(dropped, [4]);
     assert!(found.poses[4].rms > 0.005, "{:?}", found.poses[4]);
@@ -474,7 +293,7 @@ fn planned_poses_are_seen_spread_and_better_than_drawn_ones() {
         for seed in 0..20 {
             let cell = Cell::draw(mounting, &mut random);
             let plan = PosePlan {
-                board: board(),
+                board: BOARD,
                 mounting,
                 intrinsics: Intrinsics {
                     width: 1280,
@@ -505,7 +324,7 @@ fn planned_poses_are_seen_spread_and_better_than_drawn_ones() {
             for pose in &poses {
                 assert!(reachable(pose));
                 let camera_from_board = cell.camera_from_board(pose);
-                assert!(sees_board(&plan.intrinsics, &camera_from_board, &board()));
+                assert!(sees_board(&plan.intrinsics, &camera_from_board, &BOARD));
             }
             let captures: Vec<Capture> = poses
                 .iter()
@@ -530,16 +349,9 @@ fn poses_that_cannot_be_had_say_what_is_in_the_way() {
     let mut random = RandomStreams::new(10).stream("none");
     let cell = Cell::draw(Mounting::EyeToHand, &mut random);
     let plan = PosePlan {
-        board: board(),
+        board: BOARD,
         mounting: cell.mounting,
-        intrinsics: Intrinsics {
-            width: 1280,
-            height: 1024,
-            fx: 1600.0,
-            fy: 1600.0,
-            cx: 640.0,
-            cy: 512.0,
-        },
+        intrinsics: camera(SensorSpec::ideal()).intrinsics,
         camera: cell.camera,
         board_pose: cell.board,
         region: Pose::translation(1.7, 0.0, 1.1),

@@ -32,6 +32,7 @@ pub(crate) mod c601_get_notify;
 pub(crate) mod c701_calibrate;
 pub(crate) mod c901_get_state;
 pub(crate) mod point_list;
+mod robot_pose;
 
 use crate::cells::{CellReader, CellWriter};
 use crate::request::BodyError;

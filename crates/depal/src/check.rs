@@ -9,8 +9,8 @@ use depal_scene::{Language, Scene};
 use depal_vm::{Diagnostic, Program, Severity, SourceFile, sharing_conflicts};
 
 use crate::check_language::{self, is_channel, language_of};
-use crate::diagnostics::draw;
-use crate::failure::Failure;
+use crate::diagnostics::{draw, tell_all};
+use crate::failure::{Failure, cannot_read};
 use crate::robot_files::mesh_files;
 use crate::run::explain;
 use crate::task_folder::{ControllerFiles, TaskFiles, extension, read_configuration, told};
@@ -236,8 +236,8 @@ fn check_scene(path: &Path) -> Result<String, Vec<String>> {
 
 /// A bare arm: its file, and the meshes that it collides with.
 fn check_arm(path: &Path) -> Result<String, Vec<(u32, String)>> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| of_file(vec![format!("cannot read {}: {error}", path.display())]))?;
+    let text =
+        std::fs::read_to_string(path).map_err(|error| of_file(vec![cannot_read(path, error)]))?;
     let files = mesh_files(path);
     let meshes = |mesh: &str| files.bytes(mesh);
     let name = path.to_string_lossy();
@@ -273,8 +273,7 @@ fn check_configuration(
     path: &Path,
     controller: &mut ControllerFiles,
 ) -> Result<String, Vec<(u32, String)>> {
-    let bytes = std::fs::read(path)
-        .map_err(|error| of_file(vec![format!("cannot read {}: {error}", path.display())]))?;
+    let bytes = std::fs::read(path).map_err(|error| of_file(vec![cannot_read(path, error)]))?;
     let text = depal_rapid::decode(&bytes);
     read_configuration(path, &text, controller).map_err(|errors| {
         let lines = errors.iter().map(|e| e.line as u32);
@@ -299,7 +298,7 @@ fn check_programs(
                 places.push(*place);
             }
             Err(error) => {
-                let message = format!("cannot read {}: {error}", path.display());
+                let message = cannot_read(path, error);
                 tell!("error: {message}");
                 let verdict = &mut verdicts[*place];
                 verdict.summary.clear();
@@ -311,8 +310,8 @@ fn check_programs(
         return None;
     }
     let (program, diagnostics) = check(&sources);
+    tell_all(&diagnostics, &sources);
     for diagnostic in &diagnostics {
-        tell!("{}\n", draw(diagnostic, &sources));
         let span = diagnostic.primary.span;
         let index = (span.file as usize).min(sources.len() - 1);
         let at = sources[index].line_column(span.start);

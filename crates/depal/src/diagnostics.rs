@@ -5,6 +5,28 @@ use std::io::IsTerminal;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use depal_vm::{Diagnostic, Severity, SourceFile, Span};
 
+/// Tells what was found in programs that were given by hand, and where the interface's procedures are if they are missed.
+pub fn tell_all(diagnostics: &[Diagnostic], files: &[SourceFile]) {
+    for diagnostic in diagnostics {
+        tell!("{}\n", draw(diagnostic, files));
+    }
+    let misses = |code: &str| {
+        diagnostics
+            .iter()
+            .any(|found| found.code == code && found.message.contains(" named MM_"))
+    };
+    if misses("RAPID0101") {
+        tell!(
+            "help: the MM_ procedures stand in MM_Module.mod: give it too; `depal init DIR` writes it, scenes have it built in"
+        );
+    }
+    if misses("KRL0102") {
+        tell!(
+            "help: the MM_ routines stand in assets/krl/mm_module.src and .dat: give them too; scenes have them built in"
+        );
+    }
+}
+
 /// Draws a diagnostic with its source; in colour when stderr is a terminal.
 pub fn draw(diagnostic: &Diagnostic, files: &[SourceFile]) -> String {
     let renderer = if std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() {

@@ -44,7 +44,7 @@ pub struct ExecArgs {
     #[arg(long, value_name = "FILE.jsonl")]
     trace: Option<PathBuf>,
     /// End after so many simulated seconds.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     max_sim_s: Option<f64>,
     /// Print one JSON document on stdout at the end instead of the lines of TPWrite.
     #[arg(long)]
@@ -101,8 +101,13 @@ struct InputChange {
     at: SimTime,
 }
 
+fn seconds(text: &str) -> Result<f64, String> {
+    text.parse()
+        .map_err(|_| "expected seconds above 0".to_owned())
+}
+
 fn host_port(text: &str) -> Result<HostPort, String> {
-    let wrong = || format!("{text:?} is no HOST:PORT");
+    let wrong = || format!("expected HOST:PORT with a port of 0 to 65535, found {text:?}");
     let (host, port) = text.rsplit_once(':').ok_or_else(wrong)?;
     let port = port.parse().map_err(|_| wrong())?;
     Ok((host.to_owned(), port))
@@ -121,7 +126,7 @@ fn input_change(text: &str) -> Result<InputChange, String> {
     let (value, at) = rest.split_once('@').ok_or_else(wrong)?;
     let at: f64 = at.trim().parse().map_err(|_| wrong())?;
     if !(0.0..=1e9).contains(&at) {
-        return Err(format!("{at} s is no simulated time"));
+        return Err(format!("expected a time of 0 to 1000000000 s, found {at}"));
     }
     Ok(InputChange {
         name: name.trim().to_owned(),

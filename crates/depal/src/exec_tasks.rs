@@ -11,10 +11,10 @@ use depal_scene::Language;
 use depal_vm::execution::RobotTask;
 use depal_vm::{Diagnostic, Machine, Program, Severity, SourceFile};
 
-use crate::diagnostics::draw;
+use crate::diagnostics::tell_all;
 use crate::exec::ExecArgs;
 use crate::failure::Failure;
-use crate::task_folder::{ControllerFiles, TaskFiles, read};
+use crate::task_folder::{ControllerFiles, TaskFiles, extension, read};
 use crate::task_plan::plan;
 
 /// Bits of a group signal that `--auto-signals` makes: as many as RAPID's num holds exactly.
@@ -99,9 +99,13 @@ fn refuse(args: &ExecArgs, flag: &str, given: bool, language: Language) -> Resul
 fn rapid(args: &ExecArgs) -> Result<Tasks, Failure> {
     let mut files = TaskFiles::find(&args.programs, args.task)?;
     if let Some(other) = files.others.first() {
+        let advice = match extension(other).as_str() {
+            "toml" => "; a scene runs with `depal run`",
+            _ => "",
+        };
         return Err(Failure::Input(format!(
             "{}: expected a module (.mod, .sys, .prg, .modx, .sysx), a program list (.pgf), a configuration (.cfg), \
-             a folder, KRL (.src, .dat) or TP (.ls)",
+             a folder, KRL (.src, .dat) or TP (.ls){advice}",
             other.display()
         )));
     }
@@ -263,9 +267,7 @@ fn good(
     diagnostics: &[Diagnostic],
     sources: &[SourceFile],
 ) -> Result<Arc<Program>, Failure> {
-    for diagnostic in diagnostics {
-        tell!("{}\n", draw(diagnostic, sources));
-    }
+    tell_all(diagnostics, sources);
     program.ok_or_else(|| not_started(diagnostics.len()))
 }
 

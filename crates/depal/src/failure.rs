@@ -1,5 +1,6 @@
 //! How a command fails: one message for people, one exit code for scripts.
 
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Why a command did not do what it was asked to.
@@ -17,7 +18,19 @@ pub enum Failure {
     TimeLimit,
 }
 
+/// What to say of a file that cannot be read, and what to try instead.
+pub fn cannot_read(path: &Path, error: std::io::Error) -> String {
+    let path = path.to_string_lossy();
+    let error = depal_scene::with_advice(&path, error);
+    format!("cannot read {path}: {error}")
+}
+
 impl Failure {
+    /// A file that cannot be read.
+    pub fn unread(path: &Path, error: std::io::Error) -> Self {
+        Self::Input(cannot_read(path, error))
+    }
+
     /// Prints the message, if one is left to print, and gives the exit code.
     pub fn report(&self) -> ExitCode {
         match self {

@@ -7,7 +7,7 @@ use depal_frames::Intrinsics;
 use png::{BitDepth, ColorType};
 use serde::Deserialize;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, cannot_read};
 use crate::false_colour::{Indexed, palette};
 
 /// More pixels than any depth camera has; keeps a wrong header from asking for all memory.
@@ -97,9 +97,9 @@ fn encode(
 
 fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     std::fs::read(path).map_err(|error| {
-        let path = path.display();
+        let cannot = cannot_read(path, error);
         Failure::Input(format!(
-            "cannot read {path}: {error}\nhelp: check the path; depal render --out DIR makes such files to try with"
+            "{cannot}\nhelp: depal render --out DIR makes such files to try with"
         ))
     })
 }

@@ -11,8 +11,7 @@ use crate::failure::Failure;
 
 /// Prints `samples` random postures inside the limits.
 pub fn kinematics(path: &Path, samples: usize, seed: u64, as_json: bool) -> Result<(), Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::Input(format!("cannot read {}: {error}", path.display())))?;
+    let text = std::fs::read_to_string(path).map_err(|error| Failure::unread(path, error))?;
     let arm = Arm::from_urdf_uniform(&text, &path.to_string_lossy(), 1.0)
         .map_err(|error| Failure::Input(error.to_string()))?;
     for warning in arm.warnings() {

@@ -140,11 +140,7 @@ fn parse_listen(text: &str) -> Result<Port, Failure> {
         Some((place, options)) if kind == Kind::S7 => (place, options),
         _ => (place, ""),
     };
-    let address = parse_place(place).ok_or_else(|| {
-        input(format!(
-            "expected ADDR:PORT or PORT, as in 127.0.0.1:50000, found {place:?}"
-        ))
-    })?;
+    let address = parse_place(place).map_err(input)?;
     let listen = match kind {
         Kind::Commands(_) | Kind::Auto => Listen::Commands(address),
         Kind::S7Server => Listen::S7Server(address),
@@ -156,12 +152,25 @@ fn parse_listen(text: &str) -> Result<Port, Failure> {
     Ok(Port { kind, listen })
 }
 
-fn parse_place(place: &str) -> Option<SocketAddr> {
-    let port_alone = place.strip_prefix(':').unwrap_or(place).parse::<u16>();
-    match port_alone {
-        Ok(port) => Some(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port)),
-        Err(_) => place.to_socket_addrs().ok()?.next(),
+fn parse_place(place: &str) -> Result<SocketAddr, String> {
+    let (host, port) = place.rsplit_once(':').unwrap_or(("", place));
+    let digits = !port.is_empty() && port.bytes().all(|byte| byte.is_ascii_digit());
+    if !digits {
+        return Err(format!(
+            "expected ADDR:PORT or PORT, as in 127.0.0.1:50000, found {place:?}"
+        ));
     }
+    let port: u16 = port
+        .parse()
+        .map_err(|_| format!("expected a port of 0 to {}, found {port}", u16::MAX))?;
+    if host.is_empty() {
+        return Ok(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port));
+    }
+    let addresses = place.to_socket_addrs();
+    addresses
+        .ok()
+        .and_then(|mut found| found.next())
+        .ok_or_else(|| format!("there is no address of the name {host:?}; give it as numbers, as in 127.0.0.1:{port}"))
 }
 
 /// `db=1&rack=0&slot=1&poll_ms=20`, in any order, each with a default.

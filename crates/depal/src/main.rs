@@ -131,7 +131,7 @@ enum Command {
         #[arg(long, value_name = "N", default_value_t = 10)]
         samples: usize,
         /// Seed of the postures.
-        #[arg(long, value_name = "S", default_value_t = 1)]
+        #[arg(long, value_name = "S", default_value_t = 1, value_parser = run::seed, allow_negative_numbers = true)]
         seed: u64,
         /// Print one JSON document on stdout.
         #[arg(long)]
@@ -144,7 +144,7 @@ struct RunArgs {
     /// Scene file; the built-in demo if left out.
     scene: Option<PathBuf>,
     /// Seed of everything random; the scene's own if left out.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = run::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Folder for the results; out/<scene>-<seed> if left out.
     #[arg(long, value_name = "DIR")]

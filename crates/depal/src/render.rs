@@ -17,7 +17,7 @@ use crate::cloud_picture::seen_from_the_side;
 use crate::failure::Failure;
 use crate::false_colour::false_colour;
 use crate::image_file::{depth_png, false_colour_png, grey_png, write};
-use crate::run::{explain, load_scene};
+use crate::run::{explain, load_scene, seed};
 
 /// Pictures that are timed; the least time counts, as other work on the computer only adds to it.
 const TIMED_PICTURES: usize = 5;
@@ -28,7 +28,7 @@ pub struct RenderArgs {
     /// Scene file; the built-in demo if left out.
     scene: Option<PathBuf>,
     /// Seed of everything random; the scene's own if left out.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Folder for the files; made if it is not there.
     #[arg(long, value_name = "DIR")]

@@ -115,7 +115,14 @@ pub fn load_scene(
         None => Scene::demo(&overrides, seed),
         Some(path) => Scene::load_file(&path.to_string_lossy(), &overrides, seed),
     };
-    scene.map_err(|errors| Failure::Input(errors.to_string()))
+    scene.map_err(|errors| {
+        let told: Vec<String> = errors.problems.iter().map(ToString::to_string).collect();
+        let mut page = told.join("\nerror: ");
+        if file.is_some_and(|path| !path.exists()) {
+            page += "\nhelp: without a file the built-in demo runs; `depal init DIR` writes a scene to start from";
+        }
+        Failure::Input(page)
+    })
 }
 
 /// The faults of `--inject`.
@@ -142,6 +149,12 @@ pub fn explain(error: &BuildError) -> String {
         }
         other => other.to_string(),
     }
+}
+
+/// A seed on the command line.
+pub fn seed(text: &str) -> Result<u64, String> {
+    text.parse()
+        .map_err(|_| format!("expected a whole number of 0 to {}", u64::MAX))
 }
 
 fn accept_limits(scene: &Scene) -> AcceptLimits {

@@ -41,9 +41,7 @@ impl Sandbox {
     }
 
     fn take(&mut self, name: &str, path: &Path) -> Result<(), Failure> {
-        let failed = |error: std::io::Error| {
-            Failure::Input(format!("cannot read {}: {error}", path.display()))
-        };
+        let failed = |error| Failure::unread(path, error);
         let size = std::fs::metadata(path).map_err(failed)?.len();
         let held: u64 = self.files.values().map(|bytes| bytes.len() as u64).sum();
         if size > LARGEST || held + size > 10 * LARGEST {

@@ -231,8 +231,7 @@ fn answer_again(args: &ServeArgs) -> Result<(), Failure> {
 
 fn load_journal(args: &ServeArgs) -> Result<Recorded, Failure> {
     let path = args.replay.clone().unwrap_or_default();
-    let text = std::fs::read_to_string(&path)
-        .map_err(|error| Failure::Input(format!("cannot read {}: {error}", path.display())))?;
+    let text = std::fs::read_to_string(&path).map_err(|error| Failure::unread(&path, error))?;
     read(&text).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
 }
 

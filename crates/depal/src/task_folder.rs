@@ -80,8 +80,7 @@ fn named(path: &Path, name: &str) -> bool {
 }
 
 pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    std::fs::read(path)
-        .map_err(|error| Failure::Input(format!("cannot read {}: {error}", path.display())))
+    std::fs::read(path).map_err(|error| Failure::unread(path, error))
 }
 
 fn text(path: &Path) -> Result<String, Failure> {

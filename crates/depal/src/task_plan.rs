@@ -6,7 +6,7 @@ use depal_controller::{SysConfiguration, TaskRole, TaskSpec};
 use depal_rapid::{Loaded, SignalDefinition, TaskEntry, TaskEvent};
 use depal_vm::{Machine, Program, SourceFile};
 
-use crate::diagnostics::draw;
+use crate::diagnostics::tell_all;
 use crate::failure::Failure;
 use crate::task_folder::{TaskFiles, sources};
 
@@ -118,8 +118,6 @@ impl TaskPlan {
 
     /// Tells what was found in the program.
     pub fn tell(&self, loaded: &Loaded) {
-        for diagnostic in &loaded.diagnostics {
-            tell!("{}\n", draw(diagnostic, &self.sources));
-        }
+        tell_all(&loaded.diagnostics, &self.sources);
     }
 }

@@ -223,3 +223,87 @@ fn who_closes_the_pipe_loses_lines_and_no_results() {
     let report = fs::read_to_string(out.join("report.json")).expect("the report");
     assert!(report.contains("\"interface\""));
 }
+
+/// Slips of the hand, and what the answer must name: what is wrong, where, and what to do.
+#[test]
+fn slips_are_answered_with_what_to_do() {
+    let told = |args: &[&str], needles: &[&str]| check(&depal(args), 2, needles);
+    let cannot = "cannot read the scene: No such file or directory";
+    told(
+        &["run", "demo"],
+        &[
+            cannot,
+            "did you mean \"scenes/demo.toml\"?",
+            "help: without a file",
+        ],
+    );
+    told(
+        &["run", "nope.toml"],
+        &[cannot, "there are ", "scenes/kuka.toml", "`depal init DIR`"],
+    );
+    told(
+        &["serve", "scenes/demp.toml"],
+        &["did you mean \"scenes/demo.toml\"?"],
+    );
+    told(
+        &["run", "scenes/demo.mod"],
+        &["expected a scene (.toml), found a RAPID program"],
+    );
+    told(
+        &["exec", "scenes/demo.toml"],
+        &["a scene runs with `depal run`"],
+    );
+    told(
+        &["exec", "demo.mod"],
+        &["did you mean \"scenes/demo.mod\"?"],
+    );
+    told(
+        &["exec", "scenes/demo.mod"],
+        &[
+            "named MM_",
+            "help: the MM_ procedures stand in MM_Module.mod",
+        ],
+    );
+    told(
+        &["check", "scenes/kuka.src", "scenes/kuka.dat"],
+        &["assets/krl/mm_module.src"],
+    );
+    told(
+        &["run", "--seed", "abc"],
+        &["'abc' for '--seed <N>'", "a whole number of 0 to"],
+    );
+    told(
+        &["run", "--seed", "-1"],
+        &["'-1' for '--seed <N>'", "a whole number of 0 to"],
+    );
+    told(
+        &["run", "--set", "cartons.size_mm=[0,0,0]"],
+        &[
+            "error: --set cartons.size_mm=[0,0,0]: cartons.size_mm[0]",
+            "error: --set cartons.size_mm=[0,0,0]: cartons.size_mm[2]",
+        ],
+    );
+    told(
+        &["run", "--set", "robot.program=scenes/demmo.mod"],
+        &["did you mean \"scenes/demo.mod\"?"],
+    );
+    told(
+        &["run", "--set", "robot.urdf=urdfs/arm.urdf"],
+        &["there is no folder urdfs"],
+    );
+    told(
+        &["serve", "--listen", "ascii=127.0.0.1:99999"],
+        &["expected a port of 0 to 65535, found 99999"],
+    );
+    let listing = file(
+        "copy.ls",
+        &fs::read_to_string(root().join("scenes/fanuc.ls")).expect("a listing"),
+    );
+    told(
+        &["exec", &listing],
+        &[
+            "there is no program COPY to start",
+            "the first program here is FANUC",
+        ],
+    );
+}

@@ -6,7 +6,7 @@ mod robot_program;
 use std::io::{Read, Write};
 use std::net::TcpListener;
 
-use robot_program::{Served, asset, depal, folder, told};
+use robot_program::{asset, depal, folder, route, serve, told};
 
 const ALL: [(&str, &str); 2] = [
     (
@@ -28,8 +28,8 @@ fn module() -> [String; 3] {
 fn every_subprogram_succeeds_and_a_lost_connection_needs_no_new_server() {
     let folder = folder("krl_all", &ALL);
     let [source, data, channel] = module();
-    let served = Served::start("hex-le", "kuka", &["--inject", "drop_connection@reply=8"]);
-    let route = served.route();
+    let served = serve("hex-le", "kuka", &["--inject", "drop_connection@reply=8"]);
+    let route = route(&served);
     let arguments = [
         "exec",
         ALL[0].0,
@@ -68,7 +68,7 @@ fn every_subprogram_succeeds_and_a_lost_connection_needs_no_new_server() {
 fn a_server_of_the_other_byte_order_is_told() {
     let folder = folder("krl_order", &ALL);
     let [source, data, channel] = module();
-    let served = Served::start("hex-be", "kuka", &[]);
+    let served = serve("hex-be", "kuka", &[]);
     let output = depal(
         &folder,
         &[
@@ -80,7 +80,7 @@ fn a_server_of_the_other_byte_order_is_told() {
             "--eki",
             &channel,
             "--connect",
-            &served.route(),
+            &route(&served),
         ],
     );
     assert!(told(&output).1.contains("status 3096"), "{output:?}");

@@ -3,7 +3,7 @@
 
 mod robot_program;
 
-use robot_program::{Served, depal, folder, told};
+use robot_program::{depal, folder, route, serve, told};
 
 const ALL: &str = include_str!("robot_program/ALL.LS");
 /// Status registers of [`ALL`] with the code of success.
@@ -46,8 +46,8 @@ fn all_succeed(stdout: &str) {
 fn every_vision_call_succeeds_in_both_byte_orders() {
     let folder = folder("tp_all", &[("ALL.LS", ALL)]);
     for (kind, flag) in [("hex-be", None), ("hex-le", Some("--little-endian"))] {
-        let served = Served::start(kind, "fanuc", &[]);
-        let route = served.route();
+        let served = serve(kind, "fanuc", &[]);
+        let route = route(&served);
         let mut arguments = vec!["exec", "ALL.LS", "--print-registers", "--connect", &route];
         arguments.extend(flag);
         let output = depal(&folder, &arguments);
@@ -65,8 +65,8 @@ fn every_vision_call_succeeds_in_both_byte_orders() {
 #[test]
 fn a_wrong_byte_order_is_told_and_a_lost_connection_needs_no_new_server() {
     let folder = folder("tp_lost", &[("ALL.LS", ALL)]);
-    let served = Served::start("hex-be", "fanuc", &["--inject", "drop_connection@reply=8"]);
-    let route = served.route();
+    let served = serve("hex-be", "fanuc", &["--inject", "drop_connection@reply=8"]);
+    let route = route(&served);
     let arguments = ["exec", "ALL.LS", "--print-registers", "--connect", &route];
     let wrong = depal(&folder, &[&arguments[..], &["--little-endian"]].concat());
     assert!(told(&wrong).0.contains("R[70]=3096\n"), "{wrong:?}");

@@ -1,117 +1,19 @@
 //! `depal serve` as a robot meets it: the real program, real sockets on the loopback interface.
 #![allow(missing_docs, clippy::disallowed_methods)]
 
-use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
-use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::io::{Read, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-const BINARY: &str = env!("CARGO_BIN_EXE_depal");
+use served::{BINARY, FEW, Served, ask, client, is_closed, packed, reply};
 
-/// A scene that is quick to set up.
-const FEW: &[&str] = &[
-    "--set",
-    "cartons.count=8",
-    "--set",
-    "cartons.layers=1",
-    "--set",
-    "accept.delivered_min=0",
-];
+mod served;
 
-/// A running server; killed when it goes out of scope.
-struct Served {
-    child: Child,
-    ports: Vec<SocketAddr>,
-}
-
-impl Served {
-    fn start(args: &[&str]) -> Self {
-        let mut child = Command::new(BINARY)
-            .arg("serve")
-            .args(args)
-            .arg("--json")
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the program starts");
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().expect("piped"))
-            .read_line(&mut line)
-            .expect("a ready line");
-        let ready: serde_json::Value = serde_json::from_str(&line).expect("one line of JSON");
-        let listening = ready["listening"].as_array().expect("a list");
-        let ports = listening
-            .iter()
-            .map(|port| port["addr"].as_str().expect("text").parse().expect("addr"))
-            .collect();
-        Self { child, ports }
-    }
-
-    fn ascii() -> Self {
-        Self::start(&[&["--listen", "ascii=127.0.0.1:0"], FEW].concat())
-    }
-
-    fn client(&self) -> TcpStream {
-        client(self.ports[0])
-    }
-
-    fn terminate(self) -> (Option<i32>, Duration) {
-        self.signal("-TERM")
-    }
-
-    fn signal(mut self, signal: &str) -> (Option<i32>, Duration) {
-        let started = Instant::now();
-        let pid = self.child.id().to_string();
-        let killed = Command::new("kill").args([signal, &pid]).status();
-        assert!(killed.expect("kill is there").success());
-        let status = self.child.wait().expect("it ends");
-        (status.code(), started.elapsed())
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-fn client(address: SocketAddr) -> TcpStream {
-    let stream = TcpStream::connect(address).expect("it listens");
-    stream.set_nodelay(true).expect("a socket");
-    stream
-        .set_read_timeout(Some(Duration::from_secs(15)))
-        .expect("a socket");
-    stream
-}
-
-/// One reply, without its CR.
-fn reply(stream: &mut TcpStream) -> String {
-    let mut text = Vec::new();
-    let mut byte = [0];
-    loop {
-        stream.read_exact(&mut byte).expect("a reply");
-        if byte[0] == b'\r' {
-            return String::from_utf8(text).expect("text");
-        }
-        text.push(byte[0]);
-    }
-}
-
-fn ask(stream: &mut TcpStream, command: &str) -> String {
-    stream.write_all(command.as_bytes()).expect("sent");
-    stream.write_all(b"\r").expect("sent");
-    reply(stream)
-}
-
-/// Whether the server has closed, by FIN or by RST; what it still says is read.
-fn is_closed(stream: &mut TcpStream) -> bool {
-    let mut rest = Vec::new();
-    match stream.read_to_end(&mut rest) {
-        Ok(_) => true,
-        Err(error) => error.kind() == ErrorKind::ConnectionReset,
-    }
+/// With one port, in text.
+fn ascii() -> Served {
+    Served::start(&[&["--listen", "ascii=127.0.0.1:0"], FEW].concat())
 }
 
 /// Another client is answered; the best of a few tries, so that a busy computer does not count.
@@ -143,7 +45,7 @@ const TRIGGER: &str = "101,1,0,0,0,0,0,0,0,0";
 
 #[test]
 fn commands_come_in_any_pieces() {
-    let served = Served::ascii();
+    let served = ascii();
     let mut robot = served.client();
     for byte in b"901\r\n103,7,1\r\n999\r\n" {
         robot.write_all(&[*byte]).expect("sent");
@@ -166,7 +68,7 @@ fn commands_come_in_any_pieces() {
 
 #[test]
 fn vision_results_wait_for_the_next_client_and_are_given_once() {
-    let served = Served::ascii();
+    let served = ascii();
     assert_eq!(ask(&mut served.client(), TRIGGER), "101,1102");
     let mut robot = served.client();
     let points = ask(&mut robot, "102,1");
@@ -176,7 +78,7 @@ fn vision_results_wait_for_the_next_client_and_are_given_once() {
 
 #[test]
 fn a_waiting_command_holds_up_only_its_own_connection() {
-    let served = Served::ascii();
+    let served = ascii();
     let (mut waiting, mut other) = (served.client(), served.client());
     assert_eq!(ask(&mut waiting, TRIGGER), "101,1102");
     waiting.write_all(b"102,1\r901\r").expect("sent");
@@ -190,22 +92,12 @@ fn a_waiting_command_holds_up_only_its_own_connection() {
 
 #[test]
 fn sessions_of_two_ports_do_not_touch() {
-    let served = Served::start(&[
-        "--listen",
-        "ascii=127.0.0.1:0",
-        "--listen",
-        "hex-le=127.0.0.1:0",
-        "--set",
-        "cartons.count=8",
-        "--set",
-        "cartons.layers=1",
-        "--set",
-        "accept.delivered_min=0",
-    ]);
-    let mut text = client(served.ports[0]);
+    let ports = ["--listen", "ascii=127.0.0.1:0", "--listen", "hex-le=:0"];
+    let served = Served::start(&[&ports[..], FEW].concat());
+    let mut text = served.client();
     assert_eq!(ask(&mut text, TRIGGER), "101,1102");
     // 102 on the other port: there, nothing was started.
-    let mut packed = client(served.ports[1]);
+    let mut packed = client(served.address(1));
     let mut request = [0; 64];
     request[0] = 102;
     request[4] = 1;
@@ -218,7 +110,7 @@ fn sessions_of_two_ports_do_not_touch() {
 
 #[test]
 fn a_closed_sending_side_still_gets_its_replies() {
-    let served = Served::ascii();
+    let served = ascii();
     let mut robot = served.client();
     robot
         .write_all(format!("{TRIGGER}\r102,1\r901").as_bytes())
@@ -237,7 +129,7 @@ fn a_closed_sending_side_still_gets_its_replies() {
 
 #[test]
 fn a_result_goes_past_a_client_that_has_closed() {
-    let served = Served::ascii();
+    let served = ascii();
     let mut gone = served.client();
     gone.write_all(format!("{TRIGGER}\r102,1\r").as_bytes())
         .expect("sent");
@@ -248,7 +140,7 @@ fn a_result_goes_past_a_client_that_has_closed() {
 
 #[test]
 fn a_reset_in_the_middle_of_replies_ends_only_that_client() {
-    let served = Served::ascii();
+    let served = ascii();
     for _ in 0..20 {
         let mut robot = served.client();
         robot
@@ -264,7 +156,7 @@ fn a_reset_in_the_middle_of_replies_ends_only_that_client() {
 
 #[test]
 fn what_is_no_command_is_cut() {
-    let served = Served::ascii();
+    let served = ascii();
     let mut endless = served.client();
     let _ = endless.write_all(&vec![b'7'; 100_000]);
     assert!(is_closed(&mut endless), "a line of 100,000 bytes");
@@ -278,8 +170,8 @@ fn what_is_no_command_is_cut() {
 
 #[test]
 fn a_flood_does_not_delay_a_polite_client() {
-    let served = Served::ascii();
-    let address = served.ports[0];
+    let served = ascii();
+    let address = served.address(0);
     let floods: Vec<_> = (0..8)
         .map(|_| {
             std::thread::spawn(move || {
@@ -312,7 +204,7 @@ fn a_flood_does_not_delay_a_polite_client() {
 
 #[test]
 fn a_port_holds_80_clients_and_refuses_the_129th() {
-    let served = Served::ascii();
+    let served = ascii();
     let mut clients: Vec<TcpStream> = (0..128).map(|_| served.client()).collect();
     for robot in &mut clients {
         assert_eq!(ask(robot, "901"), "901,1101");
@@ -332,8 +224,8 @@ fn a_port_holds_80_clients_and_refuses_the_129th() {
 
 #[test]
 fn sigterm_ends_cleanly_and_the_port_is_free_at_once() {
-    let served = Served::ascii();
-    let address = served.ports[0].to_string();
+    let mut served = ascii();
+    let address = served.address(0).to_string();
     let mut robot = served.client();
     assert_eq!(ask(&mut robot, "901"), "901,1101");
     let (code, time) = served.terminate();
@@ -348,7 +240,7 @@ fn sigterm_ends_cleanly_and_the_port_is_free_at_once() {
 #[test]
 fn signals_end_it_cleanly_while_commands_wait() {
     for signal in ["-INT", "-TERM"] {
-        let served = Served::ascii();
+        let mut served = ascii();
         let mut waiting = served.client();
         assert_eq!(ask(&mut waiting, TRIGGER), "101,1102");
         waiting.write_all(b"102,1\r").expect("sent");
@@ -413,7 +305,7 @@ fn faults_on_demand_come_from_the_command_line_and_are_replayed() {
         "--journal",
         &journal,
     ];
-    let served = Served::start(&[&["--listen", "ascii=127.0.0.1:0"], FEW, &faults].concat());
+    let mut served = Served::start(&[&["--listen", "ascii=127.0.0.1:0"], FEW, &faults].concat());
     let mut robot = served.client();
     assert_eq!(ask(&mut robot, TRIGGER), "101,1102");
     assert_eq!(ask(&mut robot, "102,1"), "102,1019");
@@ -456,18 +348,8 @@ fn exit_codes_name_the_mistake() {
 fn a_journal_is_answered_the_same_again() {
     let path = temporary("journal.jsonl");
     let journal = path.to_string_lossy().into_owned();
-    let served = Served::start(&[
-        "--listen",
-        "ascii=127.0.0.1:0",
-        "--set",
-        "cartons.count=8",
-        "--set",
-        "cartons.layers=1",
-        "--set",
-        "accept.delivered_min=0",
-        "--journal",
-        &journal,
-    ]);
+    let args = ["--listen", "ascii=127.0.0.1:0", "--journal", &journal];
+    let mut served = Served::start(&[&args[..], FEW].concat());
     let mut robot = served.client();
     assert_eq!(ask(&mut robot, TRIGGER), "101,1102");
     assert!(ask(&mut robot, "102,1").starts_with("102,1100,"));
@@ -498,24 +380,12 @@ fn a_journal_is_answered_the_same_again() {
     assert!(told.contains("recorded") && told.contains("1103"), "{told}");
 }
 
-/// What a packed request is answered with: the first two cells.
-fn packed(address: SocketAddr, order: fn([u8; 4]) -> i32, command: [u8; 4]) -> [i32; 2] {
-    let mut stream = client(address);
-    let mut request = [0; 64];
-    request[..4].copy_from_slice(&command);
-    stream.write_all(&request).expect("sent");
-    let mut head = [0; 8];
-    stream.read_exact(&mut head).expect("a reply");
-    let cell = |place: usize| order(head[place..place + 4].try_into().expect("four bytes"));
-    [cell(0), cell(4)]
-}
-
 #[test]
 fn the_encoding_is_found_out_where_that_is_asked_for_and_only_there() {
     let ports = ["--listen", "auto=127.0.0.1:0", "--listen", "hex-be=:0"];
     let set = ["--set", "interface.encoding=auto"];
     let served = Served::start(&[&ports[..], &set[..], FEW].concat());
-    let (auto, fixed) = (served.ports[0], served.ports[1]);
+    let (auto, fixed) = (served.address(0), served.address(1));
     assert_eq!(ask(&mut client(auto), "901"), "901,1101");
     let little = 901i32.to_le_bytes();
     assert_eq!(packed(auto, i32::from_le_bytes, little), [901, 1101]);

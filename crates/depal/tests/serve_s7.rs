@@ -1,10 +1,10 @@
 //! `depal serve` as a controller meets it: the real program, a data block on either side.
 #![allow(missing_docs, clippy::disallowed_methods)]
 
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -14,80 +14,12 @@ use depal_wire::s7::{
     TelegramReader, Tsap, VarAddress, VarData,
 };
 
-const BINARY: &str = env!("CARGO_BIN_EXE_depal");
+use served::{BINARY, FEW, Served};
 
-/// A scene that is quick to set up.
-const FEW: &[&str] = &[
-    "--set",
-    "cartons.count=8",
-    "--set",
-    "cartons.layers=1",
-    "--set",
-    "accept.delivered_min=0",
-];
+mod served;
 
-struct Served {
-    child: Child,
-    ready: serde_json::Value,
-    told: Arc<Mutex<String>>,
-}
-
-impl Served {
-    fn start(args: &[&str]) -> Self {
-        let mut child = Command::new(BINARY)
-            .args(["serve", "--json"])
-            .args(args)
-            .args(FEW)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the program starts");
-        let told: Arc<Mutex<String>> = Arc::default();
-        let (all, stderr) = (Arc::clone(&told), child.stderr.take().expect("piped"));
-        thread::spawn(move || {
-            for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-                *all.lock().expect("alive") += &(line + "\n");
-            }
-        });
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().expect("piped"))
-            .read_line(&mut line)
-            .expect("a ready line");
-        let ready = serde_json::from_str(&line).expect("one line of JSON");
-        Self { child, ready, told }
-    }
-
-    fn port(&self, place: usize) -> (String, SocketAddr) {
-        let port = &self.ready["listening"][place];
-        let text = |key: &str| port[key].as_str().expect("text").to_owned();
-        (text("kind"), text("addr").parse().expect("an address"))
-    }
-
-    fn wait_told(&self, text: &str) {
-        let started = Instant::now();
-        while !self.told.lock().expect("alive").contains(text) {
-            let told = self.told.lock().expect("alive").clone();
-            assert!(
-                started.elapsed() < Duration::from_secs(15),
-                "not told: {text}; told: {told}"
-            );
-            thread::sleep(Duration::from_millis(5));
-        }
-    }
-
-    fn terminate(&mut self) -> Option<i32> {
-        let pid = self.child.id().to_string();
-        let killed = Command::new("kill").args(["-TERM", &pid]).status();
-        assert!(killed.expect("kill is there").success());
-        self.child.wait().expect("it ends").code()
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
+fn served(args: &[&str]) -> Served {
+    Served::start(&[args, FEW].concat())
 }
 
 /// The block, wherever it is.
@@ -354,13 +286,13 @@ fn a_controller_is_polled() {
     let mut plc = Plc::default();
     let address = plc.listen();
     let listen = format!("s7={address}?db=1&rack=0&slot=2&poll_ms=10");
-    let mut served = Served::start(&["--listen", &listen]);
+    let mut served = served(&["--listen", &listen]);
     assert_eq!(served.port(0), ("s7".to_owned(), address));
     served.wait_told("connected to DB 1, rack 0, slot 2, telegrams of 240 bytes");
     plc.cycle();
     let beat = plc.is_set(Field::Heartbeat);
     plc.wait(Field::Heartbeat, !beat);
-    assert_eq!(served.terminate(), Some(0));
+    assert_eq!(served.terminate().0, Some(0));
 }
 
 #[test]
@@ -369,7 +301,7 @@ fn a_controller_that_is_not_there() {
     let address = reserved.local_addr().expect("bound");
     drop(reserved);
     let listen = format!("s7={address}");
-    let mut served = Served::start(&["--listen", &listen, "--listen", "ascii=127.0.0.1:0"]);
+    let mut served = served(&["--listen", &listen, "--listen", "ascii=127.0.0.1:0"]);
     assert_eq!(served.port(0), ("s7".to_owned(), address));
     served.wait_told(&format!("PLC {address}: cannot connect"));
     // Other ports do not mind.
@@ -378,14 +310,14 @@ fn a_controller_that_is_not_there() {
     let mut reply = [0; 9];
     robot.read_exact(&mut reply).expect("a reply");
     assert_eq!(&reply, b"901,1101\r");
-    assert_eq!(served.terminate(), Some(0));
+    assert_eq!(served.terminate().0, Some(0));
 }
 
 #[test]
 fn the_block_is_offered() {
     let journal = Path::new(env!("CARGO_TARGET_TMPDIR")).join("s7.jsonl");
     let journal = journal.to_str().expect("text");
-    let mut served = Served::start(&["--listen", "s7-server=127.0.0.1:0", "--journal", journal]);
+    let mut served = served(&["--listen", "s7-server=127.0.0.1:0", "--journal", journal]);
     let (kind, address) = served.port(0);
     assert_eq!(kind, "s7-server");
     assert!(address.port() > 0);
@@ -410,7 +342,7 @@ fn the_block_is_offered() {
     drop(rude);
     plc.set(Field::Project, 1);
     assert_eq!(plc.call(901), 1101);
-    assert_eq!(served.terminate(), Some(0));
+    assert_eq!(served.terminate().0, Some(0));
     // The journal answers the same without sockets.
     let replayed = Command::new(BINARY)
         .args(["serve", "--replay", journal])
@@ -424,7 +356,7 @@ fn the_block_is_offered() {
 /// Two blocks are two sessions.
 #[test]
 fn blocks_do_not_touch_one_another() {
-    let served = Served::start(&["--listen", "s7-server=:0", "--listen", "s7-server=:0"]);
+    let served = served(&["--listen", "s7-server=:0", "--listen", "s7-server=:0"]);
     let mut first = Remote::connect(served.port(0).1, Tsap::LOCAL);
     let mut second = Remote::connect(served.port(1).1, Tsap::LOCAL);
     first.set(Field::Project, 1);

@@ -6,16 +6,16 @@ use depal_interface::{CustomPort, Status, VisionPoint, VisionResult};
 use crate::picture::Picture;
 use crate::spec::{CellSpec, VisionProject};
 
-/// The points of a picture with the data of the project's own; 1024 if a port has not a row for each.
+/// The points of a picture with the data of the project's own; what vision says where it has none, 1024 if a port has
+/// not a row for each.
 pub(super) fn vision_result(spec: &CellSpec, picture: &Picture) -> Result<VisionResult, Status> {
-    let points: Vec<VisionPoint> = picture
-        .detection
-        .boxes
-        .iter()
+    let labels = picture.labels.clone()?;
+    let points: Vec<VisionPoint> = labels
+        .into_iter()
         .zip(&picture.base_from_boxes)
-        .map(|(found, base_from_object)| VisionPoint {
+        .map(|(label, base_from_object)| VisionPoint {
             base_from_object: *base_from_object,
-            label: found.label as i32,
+            label,
         })
         .collect();
     let custom_ports = custom_ports(spec, picture)?;
@@ -35,11 +35,15 @@ pub(crate) fn custom_ports(spec: &CellSpec, picture: &Picture) -> Result<Vec<Cus
         .map_err(|_port| Status::PosesNotCustomData)
 }
 
-/// What a vision project reports where the planning project reports this.
+/// What a vision project reports where the planning project reports this; its own codes stay.
 pub(super) fn seen_from_vision(status: Status) -> Status {
+    let is_own = |status: &Status| (1001..1100).contains(&status.code());
+    if is_own(&status) {
+        return status;
+    }
     let codes = Status::ALL.iter().copied();
     codes
-        .filter(|code| (1001..1100).contains(&code.code()) && *code != Status::VisionTimeout)
+        .filter(|code| is_own(code) && *code != Status::VisionTimeout)
         .find(|code| code.seen_from_viz() == status)
         .unwrap_or(Status::PathPlanningError)
 }
@@ -56,8 +60,9 @@ pub(super) fn configured(
         .get(&project)
         .expect("server and workflow know the same projects")
         .clone();
-    if let Some(sizes) = recipe.and_then(|recipe| project.recipes.get(&recipe)) {
-        project.settings.sizes.clone_from(sizes);
+    if let Some(recipe) = recipe.and_then(|recipe| project.recipes.remove(&recipe)) {
+        project.settings.sizes = recipe.sizes;
+        project.labels = recipe.labels;
     }
     if let Some(size) = size {
         project.settings.sizes = vec![size];

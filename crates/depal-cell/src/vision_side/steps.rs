@@ -71,7 +71,7 @@ impl VisionSide {
                     may_reuse: true, ..
                 } if run.picture.is_some() => {
                     let seen = run.picture.as_ref().map_or(0, |p| p.detection.boxes.len());
-                    let status = Status::VizNoVisionResult.code();
+                    let status = Status::NoVisionResult.code();
                     let is_left = run.taken.len() < seen;
                     run.engine.recognised(is_left.then_some(()).ok_or(status))
                 }
@@ -220,7 +220,10 @@ impl VisionSide {
     pub(super) fn refuse(&mut self, now: SimTime, owner: Owner, status: Status) {
         self.end(owner);
         match owner {
-            Owner::Viz(job_id) => self.server.finish_viz(now, job_id, Err(status)),
+            Owner::Viz(job_id) => {
+                self.server
+                    .finish_viz(now, job_id, Err(status.seen_from_viz()));
+            }
             Owner::Vision(job_id) => {
                 self.server
                     .finish_vision(now, job_id, Err(seen_from_vision(status)));
@@ -242,35 +245,22 @@ impl VisionSide {
             picture.detection.boxes.clear();
             picture.base_from_boxes.clear();
             picture.cartons.clear();
-            // What kept vision from finding anything were the cartons, not the region.
-            picture.detection.points_in_region = picture.detection.points_in_region.max(1);
+            picture.labels = Err(Status::NoVisionResult);
             events.push(EventKind::Message {
                 text: "fault no_points: what vision found in this picture is withheld".to_owned(),
             });
         }
-        let is_blind = picture.detection.points_in_region == 0;
-        let is_empty = picture.detection.boxes.is_empty();
-        if is_empty {
+        if picture.detection.boxes.is_empty() {
             self.last_failure = Some(FailureReason::NoDetection);
         }
         if let Some(run) = self.run_of(owner) {
+            let outcome = picture.labels.as_ref().map(|_| ()).map_err(|s| s.code());
             run.picture = Some(picture);
             run.taken.clear();
-            let outcome = if is_blind {
-                Err(Status::VizNoPointsInRegion.code())
-            } else if is_empty {
-                Err(Status::VizNoVisionResult.code())
-            } else {
-                Ok(())
-            };
             let ask = run.engine.recognised(outcome);
             self.follow(now, spec, owner, ask, score, events);
         } else if let Owner::Vision(job_id) = owner {
-            let outcome = if is_blind {
-                Err(Status::NoPointsInRegion)
-            } else {
-                vision_result(spec, &picture)
-            };
+            let outcome = vision_result(spec, &picture);
             self.server.finish_vision_custom(now, job_id, outcome);
         }
     }

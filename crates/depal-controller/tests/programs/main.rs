@@ -11,6 +11,7 @@ mod path;
 mod samples;
 mod search;
 mod settings;
+mod shared_data;
 mod tasks;
 mod transcripts;
 mod triggers;

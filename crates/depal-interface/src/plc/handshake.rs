@@ -4,10 +4,11 @@ use std::collections::VecDeque;
 
 use depal_time::{SimDuration, SimTime};
 use depal_wire::s7::{BLOCK_BYTES, COMMAND_BYTES, DataBlock, Field, POINT_ROWS};
-use depal_wire::{CustomPoint, Encoding, PlanPoint, Profile, Reply, Request, Status};
+use depal_wire::{Encoding, Profile, Reply, Request, Status};
 
 use super::command::request_of;
-use super::result::{Data, Image, Outcome};
+use super::result::{Image, Outcome};
+use super::running::Running;
 
 /// Longest single write, bytes: one telegram of the usual length, so that the heartbeat comes between two.
 const LONGEST_WRITE: usize = 448;
@@ -128,15 +129,6 @@ enum Command {
     Running(Box<Running>),
     /// Kept until its last write has arrived.
     Delivering(Box<Outcome>),
-}
-
-#[derive(Debug, Clone)]
-struct Running {
-    request: Request,
-    has_plan: bool,
-    /// Rows so far of a call that is answered one point a time.
-    custom: Vec<CustomPoint>,
-    plan: Vec<PlanPoint>,
 }
 
 impl Handshake {
@@ -388,12 +380,7 @@ impl Handshake {
                 let profile = &self.settings.profile;
                 let bytes = request.encode(Encoding::HexLittleEndian, profile);
                 self.requests.push_back(bytes);
-                self.command = Command::Running(Box::new(Running {
-                    request,
-                    has_plan,
-                    custom: Vec::new(),
-                    plan: Vec::new(),
-                }));
+                self.command = Command::Running(Box::new(Running::new(request, has_plan)));
             }
         }
     }
@@ -428,52 +415,5 @@ impl Handshake {
 
     fn write(&mut self, first: usize, bytes: Vec<u8>, then: Then) {
         self.writes.push_back(Write { first, bytes, then });
-    }
-}
-
-impl Running {
-    /// The outcome, or `None` if the request is to be repeated for the next row.
-    fn take(&mut self, reply: Reply, cap: usize) -> Option<Outcome> {
-        let status = reply.verdict();
-        let has_tools = !matches!(self.request, Request::GetVisionPoints(_));
-        let data = match reply {
-            Reply::CustomPoint { point, .. } => {
-                let is_last = point.is_last;
-                self.custom.push(*point);
-                return (is_last || self.custom.len() == cap).then(|| self.all_rows(status));
-            }
-            Reply::PlanPoint(point) | Reply::VisionPlanPoint(point) => {
-                let is_last = point.is_last;
-                self.plan.push(*point);
-                return (is_last || self.plan.len() == cap).then(|| self.all_rows(status));
-            }
-            // Rows that came before something went wrong are still the robot's.
-            Reply::Status { .. } if !self.custom.is_empty() => {
-                return Some(self.all_rows(Some(Status::VisionResult)));
-            }
-            Reply::Status { .. } if !self.plan.is_empty() => {
-                let is_viz = matches!(self.request, Request::GetPlanData(_));
-                let (viz, vision) = (Status::VizFinished, Status::VisionPathSent);
-                return Some(self.all_rows(Some(if is_viz { viz } else { vision })));
-            }
-            Reply::Points { list, .. } => Data::Points { list, has_tools },
-            Reply::DoList(list) | Reply::VisionDoList(list) => Data::DoList(list),
-            Reply::Message(message) => Data::Message(message),
-            _ => Data::None,
-        };
-        Some(Outcome { status, data })
-    }
-
-    fn all_rows(&mut self, status: Option<Status>) -> Outcome {
-        let custom = std::mem::take(&mut self.custom);
-        let data = if custom.is_empty() {
-            Data::Plan {
-                points: std::mem::take(&mut self.plan),
-                has_plan: self.has_plan,
-            }
-        } else {
-            Data::Custom(custom)
-        };
-        Outcome { status, data }
     }
 }

@@ -4,6 +4,7 @@
 //! on one, sees what has arrived.
 
 mod arguments;
+mod link;
 mod links;
 #[cfg(test)]
 mod tests;

@@ -12,6 +12,7 @@ mod io;
 mod maths;
 mod messages;
 mod motion;
+mod move_form;
 mod path;
 mod state;
 mod strings;
@@ -20,7 +21,7 @@ mod table;
 mod timing;
 
 pub(crate) use eki::{Links, channels};
-pub(crate) use motion::{MoveForm, PathShape};
+pub(crate) use move_form::{MoveForm, PathShape};
 pub(crate) use state::{CHANNELS, hidden_globals, make_submit};
 pub(crate) use table::{Table, predefined_data};
 

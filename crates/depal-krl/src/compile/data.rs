@@ -320,7 +320,9 @@ impl Compiler<'_> {
             None if name.starts_with('$') => {
                 diagnostic.help("this system variable is not known here")
             }
-            None => diagnostic.help(format!("declare it: DECL INT {name}")),
+            None => diagnostic.help(format!(
+                "declare it, for instance DECL INT {name}, or DECL E6POS {name} for a point; is its .dat file given too?"
+            )),
         };
         self.error(diagnostic);
     }

@@ -1,4 +1,4 @@
-use depal_syntax::{Diagnostic, Span};
+use depal_syntax::{Diagnostic, Span, nearest_name};
 use depal_vm::{BinaryOp, Op, Value};
 
 use super::scope::{Access, Compiler, DataSymbol, Slot, Symbol};
@@ -138,13 +138,17 @@ impl Compiler<'_> {
             if let Some((target, _)) = self.body.labels.get(&label) {
                 let target = *target;
                 self.patch(at, target);
-            } else {
-                self.error(Diagnostic::error(
-                    "RAPID0115",
-                    span,
-                    format!("there is no label {label} in this routine"),
-                ));
+                continue;
             }
+            let mut diagnostic = Diagnostic::error(
+                "RAPID0115",
+                span,
+                format!("there is no label {label} in this routine"),
+            );
+            if let Some(near) = nearest_name(&label, self.body.labels.keys().cloned()) {
+                diagnostic = diagnostic.help(format!("did you mean {near}?"));
+            }
+            self.error(diagnostic);
         }
     }
 

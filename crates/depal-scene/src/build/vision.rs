@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use depal_cell::spec::{CustomPort, CustomRows, Region, VisionProject};
+use depal_cell::spec::{CustomPort, CustomRows, Recipe, Region, VisionProject};
 use depal_frames::{BoxSize, Pose, Vector};
 use depal_vision::VisionSettings;
 
@@ -30,7 +30,13 @@ pub(super) fn projects(scene: &Scene, base_from_world: &Pose) -> BTreeMap<i32, V
         let recipes = project
             .recipes
             .iter()
-            .map(|recipe| (i32::from(recipe.id), sizes(&recipe.box_mm)))
+            .map(|recipe| {
+                let looked_for = Recipe {
+                    sizes: sizes(&recipe.box_mm),
+                    labels: recipe.labels.clone(),
+                };
+                (i32::from(recipe.id), looked_for)
+            })
             .collect();
         let custom_ports = project
             .port
@@ -51,6 +57,7 @@ pub(super) fn projects(scene: &Scene, base_from_world: &Pose) -> BTreeMap<i32, V
                 id: i32::from(project.id),
                 settings,
                 region: Some(region(scene, project, base_from_world)),
+                labels: project.labels.clone(),
                 recipes,
                 custom_ports,
                 path,

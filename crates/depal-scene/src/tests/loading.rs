@@ -94,12 +94,68 @@ fn real_files_are_read() {
     assert_eq!(text, DEMO);
     assert_eq!(read_text("embedded:scenes/demo.toml").unwrap(), DEMO);
     assert!(read_text("embedded:scenes/none.toml").is_err());
-    let errors = Scene::load_file("no/such/scene.toml", &[], None).unwrap_err();
-    assert!(
-        errors
-            .to_string()
-            .starts_with("no/such/scene.toml: cannot read the scene: ")
+}
+
+/// A file that is not there is answered with what there is.
+#[test]
+fn a_wrong_path_gets_the_nearest_right_one() {
+    let told = |path: &str| {
+        let path = format!("{}/../../{path}", env!("CARGO_MANIFEST_DIR"));
+        let errors = Scene::load_file(&path, &[], None).unwrap_err();
+        let root = format!("{}/../../", env!("CARGO_MANIFEST_DIR"));
+        errors.to_string().replace(&root, "")
+    };
+    let cannot = "cannot read the scene: No such file or directory (os error 2)";
+    assert_eq!(
+        told("scenes/demp.toml"),
+        format!("scenes/demp.toml: {cannot}; did you mean \"scenes/demo.toml\"?")
     );
+    assert_eq!(
+        told("scenes/demo"),
+        format!("scenes/demo: {cannot}; did you mean \"scenes/demo.toml\"?")
+    );
+    assert_eq!(
+        told("no/such/scene.toml"),
+        format!("no/such/scene.toml: {cannot}; there is no folder no/such")
+    );
+    let all = told("scenes/zzz.toml");
+    assert!(
+        all.contains("; there are scenes/calibration.toml, "),
+        "{all}"
+    );
+    assert!(!all.contains("demo.mod"), "{all}");
+    let folder = told("urdf");
+    assert!(folder.contains("name a file in it: urdf/"), "{folder}");
+    assert_eq!(
+        told("scenes/demo.mod"),
+        "scenes/demo.mod: expected a scene (.toml), found a RAPID program; name it in a scene as robot.program"
+    );
+    let inside = read_text("embedded:scenes/none.toml").unwrap_err();
+    assert_eq!(inside.to_string(), "no such file inside the program");
+}
+
+/// A bracket that is left open spoils all that follows: it is not told line by line.
+#[test]
+fn a_slip_in_the_syntax_is_told_in_a_few_lines() {
+    let text = DEMO.replacen("[1700, 0, 0]", "[1700, 0, 0", 1);
+    let errors = load(&text, &[]).unwrap_err();
+    assert_eq!(errors.problems.len(), 3, "{errors}");
+    let slip = text
+        .lines()
+        .position(|line| line.ends_with("[1700, 0, 0"))
+        .unwrap()
+        + 1;
+    assert_eq!(errors.problems[0].line, slip + 1, "{errors}");
+    assert!(
+        errors.to_string().contains("more lines cannot be read"),
+        "{errors}"
+    );
+    // Two slips of their own are both told.
+    let text =
+        DEMO.replacen("name = \"demo\"", "name = demo", 1)
+            .replacen("width = 1280", "width =", 1);
+    let errors = load(&text, &[]).unwrap_err();
+    assert_eq!(errors.problems.len(), 2, "{errors}");
 }
 
 #[test]

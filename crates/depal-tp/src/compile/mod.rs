@@ -178,6 +178,11 @@ impl Compiler<'_> {
         );
         if let Some(near) = self.near_program(&key) {
             message = message.help(format!("did you mean {near}?"));
+        } else if let Some(first) = self.listings.first() {
+            let first = &first.name.text;
+            message = message.help(format!(
+                "the first program here is {first}; a file is started at the program of its own name"
+            ));
         }
         self.error(message);
         0

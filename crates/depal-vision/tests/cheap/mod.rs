@@ -2,11 +2,11 @@
 //! depth steps smeared by the patches that it matches.
 #![allow(dead_code)]
 
-use depal_camera::{CameraSpec, Material, RenderShape, SensorSpec, render, sense};
+use depal_camera::{CameraSpec, RenderShape, SensorSpec, render, sense};
 use depal_frames::{DepthFrame, Intrinsics, Pose};
 use depal_time::RandomStreams;
 
-use crate::rendered::{Carton, block};
+use crate::rendered::{Carton, floor, solids};
 
 pub fn cheap(sensor: SensorSpec) -> CameraSpec {
     CameraSpec {
@@ -71,18 +71,8 @@ pub fn picture(at: &Pose, shapes: &[RenderShape], reach: usize, seed: u64) -> De
 
 /// Cartons over a floor.
 pub fn shapes(cartons: &[Carton]) -> Vec<RenderShape> {
-    let mut shapes: Vec<RenderShape> = cartons
-        .iter()
-        .enumerate()
-        .map(|(n, carton)| carton.shape(n as u32))
-        .collect();
-    shapes.push(block(
-        1001,
-        [0.0, 0.0, -0.1],
-        [8.0, 8.0, 0.2],
-        0.0,
-        Material::CONCRETE,
-    ));
+    let mut shapes = solids(cartons);
+    shapes.push(floor(0.0));
     shapes
 }
 

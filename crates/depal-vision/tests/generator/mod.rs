@@ -7,7 +7,7 @@ use depal_camera::{CameraSpec, Material, RenderShape, SensorSpec, render, sense}
 use depal_frames::{DepthFrame, Intrinsics, Point, Pose, Shape, Vector};
 use depal_time::RandomStreams;
 
-use crate::rendered::{Carton, HEIGHT, Layout, block, looking_down, places};
+use crate::rendered::{Carton, HEIGHT, Layout, block, floor, looking_down, places, solids};
 
 /// What is added to the exact depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,11 +82,7 @@ pub fn frame(cartons: &[Carton], noise: Noise, with_intensity: bool, seed: u64) 
             ..SensorSpec::ideal()
         },
     };
-    let mut shapes: Vec<RenderShape> = cartons
-        .iter()
-        .enumerate()
-        .map(|(n, carton)| carton.shape(n as u32))
-        .collect();
+    let mut shapes = solids(cartons);
     shapes.push(block(
         1000,
         [0.0, 0.0, -HEIGHT - 0.002 - 0.1],
@@ -94,13 +90,7 @@ pub fn frame(cartons: &[Carton], noise: Noise, with_intensity: bool, seed: u64) 
         0.0,
         Material::KRAFT,
     ));
-    shapes.push(block(
-        1001,
-        [0.0, 0.0, -1.1],
-        [8.0, 8.0, 0.2],
-        0.0,
-        Material::CONCRETE,
-    ));
+    shapes.push(floor(-1.0));
     let rendering = render(&spec, &at(), &shapes);
     let capture = sense(&spec, &rendering, seed);
     let mut frame = capture.frame;

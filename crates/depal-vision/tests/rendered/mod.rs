@@ -1,13 +1,17 @@
 //! Layers of cartons taken by the simulated camera, with its truth: depth, intensity and all noise.
 //! Z of the world points up; the camera looks straight down.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use depal_camera::{CameraSpec, Material, RenderShape, SensorSpec, render, sense};
-use depal_frames::{BoxSize, DepthFrame, Intrinsics, Pose, Rotation, Shape, Vector};
+use depal_camera::{CameraSpec, Material, RenderShape, render, sense};
+use depal_frames::{BoxSize, DepthFrame, Pose, Rotation, Shape, Vector};
 use depal_time::RandomStreams;
 use depal_vision::DetectedBox;
+
+pub use cameras::{camera, small_stereo};
+
+mod cameras;
 
 /// A top face: middle, yaw about the world's Z, sides.
 #[derive(Debug, Clone, Copy)]
@@ -245,13 +249,23 @@ impl Carton {
     }
 }
 
+/// Cartons as solids, numbered from 0.
+pub fn solids(cartons: &[Carton]) -> Vec<RenderShape> {
+    (0..)
+        .zip(cartons)
+        .map(|(id, carton)| carton.shape(id))
+        .collect()
+}
+
+/// A floor of concrete, its upper side at `top`.
+pub fn floor(top: f64) -> RenderShape {
+    let centre = [0.0, 0.0, top - 0.1];
+    block(1001, centre, [8.0, 8.0, 0.2], 0.0, Material::CONCRETE)
+}
+
 /// Cartons as solids, over the lower layers as one block and a floor.
 pub fn stacked(cartons: &[Carton], top: f64) -> Vec<RenderShape> {
-    let mut shapes: Vec<RenderShape> = cartons
-        .iter()
-        .enumerate()
-        .map(|(n, carton)| carton.shape(n as u32))
-        .collect();
+    let mut shapes = solids(cartons);
     let below = top - HEIGHT - 0.002;
     shapes.push(block(
         1000,
@@ -260,32 +274,8 @@ pub fn stacked(cartons: &[Carton], top: f64) -> Vec<RenderShape> {
         0.0,
         Material::KRAFT,
     ));
-    shapes.push(block(
-        1001,
-        [0.0, 0.0, -0.1],
-        [8.0, 8.0, 0.2],
-        0.0,
-        Material::CONCRETE,
-    ));
+    shapes.push(floor(0.0));
     shapes
-}
-
-/// 1280 x 1024, 1.25 mm per pixel at 2 m.
-pub fn camera(sensor: SensorSpec) -> CameraSpec {
-    CameraSpec {
-        intrinsics: Intrinsics {
-            width: 1280,
-            height: 1024,
-            fx: 1600.0,
-            fy: 1600.0,
-            cx: 639.5,
-            cy: 511.5,
-        },
-        near: 0.5,
-        far: 5.0,
-        baseline: 0.3,
-        sensor,
-    }
 }
 
 /// `height` metres above the floor, X to the right.

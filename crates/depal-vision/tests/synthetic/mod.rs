@@ -1,10 +1,14 @@
 //! A small depth camera of its own: rays against upright boxes, projector shadow, sensor noise.
 //! The scene lives in the camera frame (X right, Y down, Z forward); the camera looks straight
 //! down, so a "top" is the face with the smaller Z.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 
 use depal_frames::{BoxSize, DepthFrame, Intrinsics, Pose};
 use depal_time::{RandomStream, RandomStreams};
+
+pub use score::{PoseError, Score};
+
+mod score;
 
 /// An upright box: middle of the top, yaw about Z, full sides, top and bottom depth.
 #[derive(Debug, Clone, Copy)]
@@ -392,87 +396,4 @@ pub fn stack(layers: usize, gap: f64, seed: u64) -> Scene {
         floor: FLOOR,
         lean: 0.0,
     }
-}
-
-/// One detected box against the truth.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PoseError {
-    pub xy_mm: f64,
-    pub z_mm: f64,
-    pub yaw_deg: f64,
-    pub tilt_deg: f64,
-}
-
-#[derive(Debug, Default)]
-pub struct Score {
-    pub wanted: usize,
-    pub found: usize,
-    pub false_positives: usize,
-    pub errors: Vec<PoseError>,
-}
-
-impl Score {
-    /// Adds one frame's boxes `(camera_from_box, size)`.
-    pub fn add<'a>(&mut self, scene: &Scene, boxes: impl Iterator<Item = &'a Pose>) {
-        let mut open: Vec<&Solid> = scene.solids.iter().filter(|s| s.wanted).collect();
-        self.wanted += open.len();
-        for camera_from_box in boxes {
-            let pose = scene.scene_from_camera() * camera_from_box;
-            let p = pose.translation.vector;
-            let nearest = open
-                .iter()
-                .enumerate()
-                .map(|(i, s)| (i, (s.x - p.x).hypot(s.y - p.y), (s.top - p.z).abs()))
-                .filter(|m| m.2 < 0.02)
-                .min_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((i, xy, z)) = nearest.filter(|m| m.1 < 0.02) else {
-                self.false_positives += 1;
-                continue;
-            };
-            let solid = open.remove(i);
-            let x = pose.rotation * nalgebra_x();
-            let mut yaw = x.y.atan2(x.x) - solid.yaw;
-            yaw -= (yaw / std::f64::consts::PI).round() * std::f64::consts::PI;
-            let normal = pose.rotation * depal_frames::Vector::z();
-            self.found += 1;
-            self.errors.push(PoseError {
-                xy_mm: xy * 1e3,
-                z_mm: z * 1e3,
-                yaw_deg: yaw.abs().to_degrees(),
-                tilt_deg: normal.angle(&solid.normal()).to_degrees(),
-            });
-        }
-    }
-
-    /// The given share of the errors is at most this.
-    pub fn quantile(&self, share: f64, of: fn(&PoseError) -> f64) -> f64 {
-        let mut values: Vec<f64> = self.errors.iter().map(of).collect();
-        values.sort_by(f64::total_cmp);
-        let last = values.len().saturating_sub(1);
-        values
-            .get((share * last as f64).round() as usize)
-            .copied()
-            .unwrap_or(f64::NAN)
-    }
-
-    pub fn line(&self) -> String {
-        let q = |share, of| self.quantile(share, of);
-        format!(
-            "{:3}/{:3} fp {} | xy {:.2} {:.2} {:.2} | z {:.2} | yaw {:.3} {:.3} | tilt {:.3}",
-            self.found,
-            self.wanted,
-            self.false_positives,
-            q(0.5, |e| e.xy_mm),
-            q(0.95, |e| e.xy_mm),
-            q(1.0, |e| e.xy_mm),
-            q(0.95, |e| e.z_mm),
-            q(0.5, |e| e.yaw_deg),
-            q(0.95, |e| e.yaw_deg),
-            q(0.95, |e| e.tilt_deg),
-        )
-    }
-}
-
-fn nalgebra_x() -> depal_frames::Vector {
-    depal_frames::Vector::x()
 }

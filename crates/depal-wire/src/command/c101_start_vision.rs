@@ -9,6 +9,7 @@
 use crate::Status;
 use crate::cells::{CellReader, CellWriter, FieldError};
 use crate::command::RequestBody;
+use crate::command::robot_pose::{joints_and_flange, skip_rest, skip_zero_pose};
 use crate::request::BodyError;
 
 /// Command 101.
@@ -55,21 +56,13 @@ impl RequestBody for StartVision {
                 RobotPosePayload::NotSent
             }
             1 => {
-                let joints_deg = cells.reals().map_err(bad_pose)?;
-                let flange = if cells.remaining() == Some(0) {
-                    None
-                } else {
-                    let flange: [f64; 6] = cells.reals().map_err(bad_pose)?;
-                    flange.iter().any(|v| *v != 0.0).then_some(flange)
-                };
+                let (joints_deg, flange) = joints_and_flange(cells).map_err(bad_pose)?;
                 RobotPosePayload::JointsAndFlange { joints_deg, flange }
             }
             2 => RobotPosePayload::Flange(cells.reals().map_err(bad_pose)?),
             3 => RobotPosePayload::StartJoints(cells.reals().map_err(bad_pose)?),
             other => {
-                while cells.remaining().is_some_and(|left| left > 0) {
-                    cells.real().map_err(bad_pose)?;
-                }
+                skip_rest(cells).map_err(bad_pose)?;
                 RobotPosePayload::UnknownType(other)
             }
         };
@@ -99,14 +92,5 @@ impl RequestBody for StartVision {
             }
             RobotPosePayload::UnknownType(other) => cells.int(*other),
         }
-    }
-}
-
-/// "No pose" comes as six zeros, as twelve, or not at all; the values are not used.
-pub(crate) fn skip_zero_pose(cells: &mut CellReader<'_>) -> Result<(), FieldError> {
-    match cells.remaining() {
-        None | Some(0) => Ok(()),
-        Some(12) => cells.reals::<12>().map(|_| ()),
-        Some(_) => cells.reals::<6>().map(|_| ()),
     }
 }

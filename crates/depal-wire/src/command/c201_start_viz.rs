@@ -8,7 +8,7 @@
 use crate::Status;
 use crate::cells::{CellReader, CellWriter, FieldError};
 use crate::command::RequestBody;
-use crate::command::c101_start_vision::skip_zero_pose;
+use crate::command::robot_pose::{joints_and_flange, skip_rest, skip_zero_pose};
 use crate::request::BodyError;
 
 /// Command 201.
@@ -46,20 +46,12 @@ impl RequestBody for StartViz {
                 VizStartPayload::NotSent
             }
             1 => {
-                let joints_deg = cells.reals().map_err(bad_pose)?;
-                let flange = if cells.remaining() == Some(0) {
-                    None
-                } else {
-                    let flange: [f64; 6] = cells.reals().map_err(bad_pose)?;
-                    flange.iter().any(|v| *v != 0.0).then_some(flange)
-                };
+                let (joints_deg, flange) = joints_and_flange(cells).map_err(bad_pose)?;
                 VizStartPayload::JointsAndFlange { joints_deg, flange }
             }
             2 => VizStartPayload::StartJoints(cells.reals().map_err(bad_pose)?),
             other => {
-                while cells.remaining().is_some_and(|left| left > 0) {
-                    cells.real().map_err(bad_pose)?;
-                }
+                skip_rest(cells).map_err(bad_pose)?;
                 VizStartPayload::UnknownType(other)
             }
         };

@@ -46,6 +46,17 @@ fn mistakes() {
             "expected db, rack, slot or poll_ms, found \"speed\"",
         ),
         ("s7=127.0.0.1:102?db", "expected KEY=VALUE, found \"db\""),
+        (
+            "ascii=127.0.0.1:99999",
+            "expected a port of 0 to 65535, found 99999",
+        ),
+        ("hex-le=70000", "expected a port of 0 to 65535, found 70000"),
+        ("ascii=127.0.0.1", "expected ADDR:PORT or PORT"),
+        ("ascii=[::1]:x", "expected ADDR:PORT or PORT"),
+        (
+            "ascii=no.such.name.invalid:50000",
+            "there is no address of the name \"no.such.name.invalid\"",
+        ),
         ("s7=127.0.0.1:0", "expected the controller's port, found 0"),
         (
             "s8=127.0.0.1:102",

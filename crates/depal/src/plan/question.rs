@@ -9,7 +9,7 @@ use depal_frames::{
 use depal_planner::TransferScene;
 use serde_json::Value;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, cannot_read};
 use crate::robot_files::mesh_files;
 
 /// Acceleration limits that are left out: full speed in this time, s.
@@ -207,7 +207,7 @@ impl<'a> At<'a> {
 pub(super) fn read(path: &Path) -> Result<(TransferScene, Vec<Problem>), Failure> {
     let file = path.to_string_lossy();
     let value: Value = serde_json::from_str(&text(path)?)
-        .map_err(|error| Failure::Input(format!("{file}: {error}")))?;
+        .map_err(|error| Failure::Input(format!("{file}: not JSON: {error}")))?;
     let root = At {
         file: &file,
         key: String::new(),
@@ -248,8 +248,8 @@ pub(super) fn read(path: &Path) -> Result<(TransferScene, Vec<Problem>), Failure
 fn robot_at(path: &Path, robot: &At) -> Result<Arm, Failure> {
     let urdf = path.parent().unwrap_or(Path::new("")).join(robot.text()?);
     let name = urdf.to_string_lossy();
-    let text = std::fs::read_to_string(&urdf)
-        .map_err(|error| robot.fault(&format!("cannot read {name}: {error}")))?;
+    let text =
+        std::fs::read_to_string(&urdf).map_err(|error| robot.fault(&cannot_read(&urdf, error)))?;
     let meshes = mesh_files(&urdf);
     let arm = Arm::from_urdf_uniform_with_meshes(&text, &name, 1.0, &|mesh| meshes.bytes(mesh))
         .map_err(|error| Failure::Input(error.to_string()))?;
@@ -347,6 +347,5 @@ fn weight(arm: &Arm, link: usize, body: &PlacedShape, mass: &At) -> Result<Load,
 }
 
 fn text(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path)
-        .map_err(|error| Failure::Input(format!("cannot read {}: {error}", path.display())))
+    std::fs::read_to_string(path).map_err(|error| Failure::unread(path, error))
 }

@@ -1,10 +1,13 @@
 //! `depal exec` beside a running `depal serve`, as a user has them.
+#![allow(dead_code)]
 
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output};
 
-const BINARY: &str = env!("CARGO_BIN_EXE_depal");
+use served::{BINARY, Served};
+
+#[path = "../served/mod.rs"]
+mod served;
 
 /// A file of the repository.
 pub fn asset(path: &str) -> String {
@@ -30,54 +33,36 @@ pub fn depal(folder: &Path, arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-/// What it printed: stdout, stderr.
+/// What it printed.
+pub fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
+/// What it told people.
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+/// Both.
 pub fn told(output: &Output) -> (String, String) {
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
-    (text(&output.stdout), text(&output.stderr))
+    (stdout(output), stderr(output))
 }
 
-/// A vision server on a free port; killed when it goes out of scope.
-pub struct Served {
-    child: Child,
-    /// Where the first port listens.
-    pub address: String,
+/// What it printed, as one document.
+pub fn json(output: &Output) -> serde_json::Value {
+    serde_json::from_str(&stdout(output)).unwrap_or_else(|_| panic!("{}", stderr(output)))
 }
 
-impl Served {
-    /// Serves the scene in which every kind of project answers.
-    pub fn start(kind: &str, brand: &str, more: &[&str]) -> Self {
-        let scene = asset("scenes/interface.toml");
-        let listen = format!("{kind}=127.0.0.1:0");
-        let brand = format!("interface.brand={brand}");
-        let mut child = Command::new(BINARY)
-            .args(["serve", &scene, "--listen", &listen, "--set", &brand])
-            .args(more)
-            .arg("--json")
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the program starts");
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().expect("piped"))
-            .read_line(&mut line)
-            .expect("a ready line");
-        let ready: serde_json::Value = serde_json::from_str(&line).expect("one line of JSON");
-        let address = ready["listening"][0]["addr"].as_str().expect("an address");
-        Self {
-            address: address.to_owned(),
-            child,
-        }
-    }
-
-    /// Sends connections to the address in the programs here.
-    pub fn route(&self) -> String {
-        format!("127.0.0.1:50000={}", self.address)
-    }
+/// Serves the scene in which every kind of project answers.
+pub fn serve(kind: &str, brand: &str, more: &[&str]) -> Served {
+    let scene = asset("scenes/interface.toml");
+    let listen = format!("{kind}=127.0.0.1:0");
+    let brand = format!("interface.brand={brand}");
+    let args = [&scene, "--listen", &listen, "--set", &brand];
+    Served::start(&[&args[..], more].concat())
 }
 
-impl Drop for Served {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
+/// Sends connections to the address in the programs here.
+pub fn route(served: &Served) -> String {
+    format!("127.0.0.1:50000={}", served.address(0))
 }
