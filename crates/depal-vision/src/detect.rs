@@ -55,7 +55,7 @@ pub fn detect_staged(
         return detection;
     }
     if settings.sizes.iter().any(is_usable) {
-        find_boxes(&image, settings, &mut detection, entered);
+        find_boxes(frame, &image, settings, &mut detection, entered);
     }
     entered(Stage::Obstacles);
     detection.obstacle_points = obstacle_points(&image, &detection.boxes, settings.obstacle_voxel);
@@ -117,6 +117,7 @@ fn is_usable(size: &BoxSize) -> bool {
 }
 
 fn find_boxes(
+    frame: &DepthFrame,
     image: &DepthImage,
     settings: &VisionSettings,
     detection: &mut Detection,
@@ -211,18 +212,18 @@ fn find_boxes(
     keep_best(found, settings, detection);
     turn_together(&mut detection.boxes, &image.intrinsics);
     if is_soft(settings) {
-        let more = find_smeared(&mask, image, settings, smallest, detection);
-        keep_best(more, settings, detection);
+        let (mut cleaned, mut as_seen) = (Vec::new(), settings.clone());
+        as_seen.smear_px = 0;
+        if let Some(smeared) = gate(frame, &mut cleaned, &as_seen) {
+            let more = find_smeared(&mask, image, &smeared, settings, smallest, detection);
+            keep_best(more, settings, detection);
+        }
     }
 }
 
 /// True when outlines are known roughly and heights hardly: each height of the stack must be looked at as one.
 fn is_soft(settings: &VisionSettings) -> bool {
-    /// More than twice what the defaults are made for, metres.
-    const NOISY: f64 = 0.010;
-    settings.smear_px >= LEAST_SMEAR
-        || settings.average_px > 0
-        || settings.plane_tolerance > NOISY
+    settings.smear_px >= LEAST_SMEAR || settings.average_px > 0
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.

@@ -15,6 +15,8 @@ pub enum Cell {
     Hidden,
     /// On the plane, or in a valley narrower than the smear: a gap between two cartons.
     On,
+    /// On the plane, at the foot of what stands on it.
+    Foot,
     /// Behind it: here the surface has ended.
     Deep,
 }
@@ -24,6 +26,8 @@ pub struct Level {
     pub frame: PlaneFrame,
     /// Side of a cell, metres.
     pub cell: f64,
+    /// So far beyond its edge it has fallen all the way, metres.
+    pub foot: f64,
     low: [f64; 2],
     count: [usize; 2],
     cells: Vec<Cell>,
@@ -31,9 +35,13 @@ pub struct Level {
     height: Vec<f32>,
     /// How far behind the plane, without bound; NaN where nothing was measured.
     below: Vec<f32>,
+    /// The same in 1/z, which is what matching of patches averages, as metres at the level.
+    fall: Vec<f32>,
     /// Sums over all cells below and left: on, deep.
     on: Vec<u32>,
     deep: Vec<u32>,
+    /// The same of what is neither on a step around the surface nor on one up from it.
+    flat: Vec<u32>,
     /// The same of the heights that were measured, and of how many they are.
     heights: Vec<[f64; 2]>,
 }
@@ -46,6 +54,10 @@ pub struct Cut {
     pub cell: f64,
     /// How far from the plane its surface lies at most, metres.
     pub tolerance: f64,
+    /// What stands on it is at least so high, metres.
+    pub height: f64,
+    /// Cells over which a step is smeared.
+    pub smear: usize,
     /// Valleys and holes up to so many cells between two parts of the surface belong to it.
     pub valley: usize,
 }
@@ -59,8 +71,12 @@ impl Level {
         let mut cells = vec![Cell::Unknown; columns * rows];
         let mut height = vec![f32::NAN; columns * rows];
         let mut below = vec![f32::NAN; columns * rows];
+        let mut fall = vec![f32::NAN; columns * rows];
+        let depth = cut.frame.origin.z as f32;
         let mut row = ResampledRow::new(columns);
         let low = [cut.range[0][0], cut.range[1][0]];
+        // Half way up what stands on it, its foot is.
+        let hidden = -(cut.tolerance.max(0.5 * cut.height)) as f32;
         for j in 0..rows {
             let first = cut.frame.point(
                 low[0] + 0.5 * cut.cell,
@@ -72,34 +88,109 @@ impl Level {
                 let Some(deeper) = deeper else { continue };
                 let (cell, height) = (&mut cells[at], &mut height[at]);
                 below[at] = deeper;
+                fall[at] = deeper / (1.0 + deeper / depth).max(0.1);
                 *cell = if deeper > cut.tolerance as f32 {
                     Cell::Deep
-                } else if deeper < -(cut.tolerance as f32) {
+                } else if deeper < hidden {
                     Cell::Hidden
+                } else if deeper < -(cut.tolerance as f32) {
+                    Cell::Foot
                 } else {
                     Cell::On
                 };
-                // A gap is no deeper than the smear lets it seem.
-                *height = (-deeper).max(-3.0 * cut.tolerance as f32);
+                // A gap is no deeper than the smear lets it seem; the foot of what stands on it is no height of its own.
+                if deeper >= -(cut.tolerance as f32) {
+                    *height = (-deeper).max(-3.0 * cut.tolerance as f32);
+                }
             }
         }
         let mut level = Self {
             frame: cut.frame,
             cell: cut.cell,
+            foot: (0.5 * cut.smear as f64 + 3.0) * cut.cell,
             low,
             count,
             cells,
             height,
             below,
+            fall,
             on: Vec::new(),
+            flat: Vec::new(),
             deep: Vec::new(),
             heights: Vec::new(),
         };
         level.bridge(cut.valley);
+        let flat = level.sums(Cell::On);
+        level.extend(cut.smear, 0, cut.height);
+        level.extend(cut.smear, 1, cut.height);
+        level.flat = flat;
+        for cell in level.cells.iter_mut().filter(|c| **c == Cell::Foot) {
+            *cell = Cell::On;
+        }
         level.on = level.sums(Cell::On);
         level.deep = level.sums(Cell::Deep);
         level.heights = level.sum_heights();
         level
+    }
+
+    /// Takes in, along an axis, what lies before the steps around the surface. A step smeared alike to both sides has
+    /// fallen by half as much again a quarter of a smear beyond its edge as there. That asks for no level ground at its
+    /// foot: on the rim of a pallet there may be none before the next step begins.
+    fn extend(&mut self, smear: usize, axis: usize, carton: f64) {
+        let [columns, rows] = self.count;
+        let (count, stride) = if axis == 0 {
+            (columns, 1)
+        } else {
+            (rows, columns)
+        };
+        let mut taken = Vec::new();
+        // The camera over the level's origin: along the axis in cells, and above it.
+        let to_camera = -self.frame.origin.coords;
+        let along = if axis == 0 {
+            self.frame.x
+        } else {
+            self.frame.y
+        };
+        let camera = (to_camera.dot(&along) - self.low[axis]) / self.cell;
+        let above = to_camera.dot(&self.frame.plane.normal());
+        let ahead = (smear / 4).max(1);
+        let share = ahead as f64 / smear.max(1) as f64;
+        for line in 0..columns * rows / count.max(1) {
+            let start = if axis == 0 { line * columns } else { line };
+            let at = |k: usize| start + k * stride;
+            let falls = bridged((0..count).map(|k| self.fall[at(k)]), smear);
+            for k in (0..count).filter(|k| self.cells[at(*k)] == Cell::On) {
+                for sign in [1, -1] {
+                    let step = |by: usize| {
+                        k.checked_add_signed(sign * by as isize)
+                            .filter(|k| *k < count)
+                    };
+                    let mut begun = false;
+                    for by in 1..=smear {
+                        let Some((here, beyond)) = step(by).zip(step(by + ahead)) else {
+                            break;
+                        };
+                        // What is lost on a step belongs to it, what is lost beside a sharp one does not.
+                        let cell = self.cells[at(here)];
+                        begun |= cell == Cell::Deep;
+                        let on_step = cell == Cell::Deep || begun && cell == Cell::Unknown;
+                        let drop = step(by + smear).map_or(carton, |b| f64::from(falls[b]));
+                        // A wall is as high as its carton, or goes on over the one below.
+                        let drop = drop.max(carton).min(2.0 * carton);
+                        let wall = sign as f64 * (camera - here as f64) * drop / (above + drop);
+                        let ratio = growth(wall / smear as f64, share) as f32;
+                        // Not measured compares as false.
+                        if !(on_step && falls[beyond] > ratio * falls[here]) {
+                            break;
+                        }
+                        taken.push(at(here));
+                    }
+                }
+            }
+        }
+        for at in taken {
+            self.cells[at] = Cell::On;
+        }
     }
 
     /// Takes in what lies in narrow valleys along either axis.
@@ -115,7 +206,7 @@ impl Level {
                         last = None;
                         continue;
                     }
-                    Cell::Unknown | Cell::Deep => continue,
+                    Cell::Unknown | Cell::Deep | Cell::Foot => continue,
                 }
                 if let Some(last) = last.filter(|l| k - l > 1 && k - l <= widest + 1) {
                     bridged.extend((last + 1..k).map(|k| start + k * stride));
@@ -203,6 +294,17 @@ impl Level {
         })
     }
 
+    /// Share of a rectangle that is surface beside no step.
+    pub fn flat_share(&self, low: [f64; 2], high: [f64; 2]) -> f64 {
+        let [i0, i1] = [low[0], high[0]].map(|x| self.index(0, x));
+        let [j0, j1] = [low[1], high[1]].map(|y| self.index(1, y));
+        let n = self.count[0] + 1;
+        let s = &self.flat;
+        let sum = s[j1 * n + i1] + s[j0 * n + i0] - s[j0 * n + i1] - s[j1 * n + i0];
+        let whole = (high[0] - low[0]) * (high[1] - low[1]) / (self.cell * self.cell);
+        f64::from(sum) / whole.max(1.0)
+    }
+
     /// Places of a lattice around which, up to half of `slack` metres, all is surface.
     pub fn inner_places(&self, slack: f64) -> Vec<[f64; 2]> {
         const ALL: f64 = 0.97;
@@ -238,7 +340,14 @@ impl Level {
 
     /// By how much the heights along a line (across `axis` at `at`, `range` along it) lie below those `beside` metres to
     /// both sides, metres; each over `wide` metres.
-    pub fn valley(&self, axis: usize, at: f64, range: [f64; 2], beside: f64, wide: f64) -> Option<f64> {
+    pub fn valley(
+        &self,
+        axis: usize,
+        at: f64,
+        range: [f64; 2],
+        beside: f64,
+        wide: f64,
+    ) -> Option<f64> {
         let strip = |middle: f64| {
             let (mut low, mut high) = ([0.0; 2], [0.0; 2]);
             (low[axis], high[axis]) = (middle - 0.5 * wide, middle + 0.5 * wide);
@@ -266,4 +375,36 @@ impl Level {
             coefficient: normal / normal.dot(&point.coords),
         }
     }
+}
+
+/// A line with what is lost, up to `widest` in a row, as on a straight line between its ends.
+fn bridged(line: impl Iterator<Item = f32>, widest: usize) -> Vec<f32> {
+    let mut line: Vec<f32> = line.collect();
+    let mut last: Option<usize> = None;
+    for k in 0..line.len() {
+        if line[k].is_nan() {
+            continue;
+        }
+        if let Some(last) = last.filter(|l| (2..=widest + 1).contains(&(k - l))) {
+            let (a, b) = (line[last], line[k]);
+            for n in last + 1..k {
+                line[n] = a + (b - a) * (n - last) as f32 / (k - last) as f32;
+            }
+        }
+        last = Some(k);
+    }
+    line
+}
+
+/// How many times deeper it is some smears (`ahead`) beyond an edge than at it, where the wall below is seen over so many
+/// smears: means over a smear of a slope that ends as level ground.
+fn growth(wall: f64, ahead: f64) -> f64 {
+    let mean = |seen: f64| {
+        if seen < wall {
+            0.5 * seen * seen / wall
+        } else {
+            seen - 0.5 * wall.max(0.0)
+        }
+    };
+    mean(0.5 + ahead) / mean(0.5)
 }

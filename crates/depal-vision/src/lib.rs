@@ -113,6 +113,7 @@ mod stands;
 mod steps;
 mod surface;
 mod tile_fit;
+mod tile_relief;
 mod tiling;
 mod turn_together;
 mod unknown;

@@ -19,8 +19,6 @@ const SIGMAS: f64 = 6.0;
 /// No carton can be told from its neighbourhood by steps beyond this, metres.
 const MOST: f64 = 0.020;
 
-/// Where depths come in steps, at least one in so many pixels lies beside one.
-const LEAST_UNEVEN: usize = 8;
 /// A side between two smeared steps is uncertain by so much, metres.
 const SMEARED_SIZE: f64 = 0.015;
 /// Distances at which depths are compared, pixels: neighbours, and beyond what correlated noise spans.
@@ -58,18 +56,7 @@ fn deviation(depth: &[f32], width: usize, lag: usize) -> Option<f64> {
         return None;
     }
     let middle = bends.len() / 2;
-    let mut median = *bends.select_nth_unstable_by(middle, f32::total_cmp).1;
-    if median == 0.0 {
-        // Disparities come in steps: what is the same on both sides of one says nothing of how high it is. Of a
-        // picture without noise only the rims of its surfaces are left, and those are few.
-        let before = bends.len();
-        bends.retain(|b| *b > 0.0);
-        if bends.len() * LEAST_UNEVEN < before {
-            return Some(0.0);
-        }
-        let quarter = bends.len() / 4;
-        median = *bends.select_nth_unstable_by(quarter, f32::total_cmp).1;
-    }
+    let median = *bends.select_nth_unstable_by(middle, f32::total_cmp).1;
     Some(f64::from(median) * SIGMA_PER_MEDIAN)
 }
 
@@ -96,6 +83,11 @@ fn smear_at(depth: &[f32], width: usize, sigma: Option<f64>, middle: Option<f64>
 }
 
 impl VisionSettings {
+    /// Deviation of a depth by noise for which the tolerances are made, metres.
+    pub(crate) fn sigma(&self) -> f64 {
+        self.plane_tolerance / SIGMAS
+    }
+
     /// Wider tolerances where the image itself is too noisy for the present ones, averaging where it is noisier
     /// still, and the width over which it smears steps; never less than now.
     pub fn suited_to(mut self, frame: &DepthFrame) -> Self {

@@ -5,10 +5,6 @@
 const LEAST_STEP: f32 = 0.030;
 /// Half of the widest smear that is looked for, pixels.
 const REACH: usize = 12;
-/// The same where noise is known, and with it what is level.
-const WIDE_REACH: usize = 16;
-/// Two pixels of a level differ by no more than so many deviations of the noise.
-const LEVEL_SIGMAS: f32 = 3.0;
 /// Shares of a step between which a pixel is on it.
 const LEVELS: (f32, f32) = (0.15, 0.85);
 /// Fewer steps say nothing.
@@ -27,7 +23,7 @@ pub fn pixels_on_steps(depth: &[f32], width: usize) -> usize {
     for row in depth.chunks_exact(width).step_by(4) {
         let mut u = REACH + 4;
         while u + REACH + 4 < width {
-            if let Some((a, b)) = ends(row, u, REACH, 0.0).filter(|(a, b)| (a - b).abs() > LEAST_STEP) {
+            if let Some((a, b)) = ends(row, u).filter(|(a, b)| (a - b).abs() > LEAST_STEP) {
                 let between = row[u - REACH..=u + REACH].iter().filter(|&&z| {
                     let share = (z - a) / (b - a);
                     z > 0.0 && share > LEVELS.0 && share < LEVELS.1
@@ -42,13 +38,12 @@ pub fn pixels_on_steps(depth: &[f32], width: usize) -> usize {
 }
 
 /// The level depths on both sides of a place on a line.
-fn ends(line: &[f32], u: usize, reach: usize, noise: f32) -> Option<(f32, f32)> {
+fn ends(line: &[f32], u: usize) -> Option<(f32, f32)> {
     let level = |at: usize, beside: usize| {
         let (a, b) = (line[at], line[beside]);
-        let flat = (0.2 * LEAST_STEP).max(LEVEL_SIGMAS * noise * a * a);
-        (a > 0.0 && b > 0.0 && (a - b).abs() < flat).then_some(a)
+        (a > 0.0 && b > 0.0 && (a - b).abs() < 0.2 * LEAST_STEP).then_some(a)
     };
-    level(u - reach, u - reach - 4).zip(level(u + reach, u + reach + 4))
+    level(u - REACH, u - REACH - 4).zip(level(u + REACH, u + REACH + 4))
 }
 
 /// Median of the widths between the levels, as that of a whole step.
@@ -80,12 +75,12 @@ pub fn smear_of(depth: &[f32], width: usize, noise: f32) -> usize {
 
 /// Over how many pixels each step along a line goes from one of the levels to the other.
 fn widths_along(row: &[f32], noise: f32, widths: &mut Vec<usize>) {
-    let mut u = WIDE_REACH + 4;
-    while u + WIDE_REACH + 4 < row.len() {
+    let mut u = REACH + 4;
+    while u + REACH + 4 < row.len() {
         let least = |z: f32| LEAST_STEP.max(LEAST_SIGMAS * noise * z * z);
-        if let Some((a, b)) = ends(row, u, WIDE_REACH, noise).filter(|(a, b)| (a - b).abs() > least(a.max(*b))) {
+        if let Some((a, b)) = ends(row, u).filter(|(a, b)| (a - b).abs() > least(a.max(*b))) {
             // What is lost beside the step must not make it narrower.
-            let line = &row[u - WIDE_REACH..=u + WIDE_REACH];
+            let line = &row[u - REACH..=u + REACH];
             let share = |z: f32| (z - a) / (b - a);
             let past = |level: f32| line.iter().position(|&z| z > 0.0 && share(z) > level);
             let half = past(0.5).unwrap_or(0);
@@ -102,7 +97,7 @@ fn widths_along(row: &[f32], noise: f32, widths: &mut Vec<usize>) {
                     widths.push(inner.len());
                 }
             }
-            u += 2 * WIDE_REACH;
+            u += 2 * REACH;
         }
         u += 4;
     }

@@ -14,16 +14,21 @@ use crate::{
     detect::overlap,
     gate::DepthImage,
     level::{Cut, Level},
+    misfit::{Misfit, OVERFIT_BLOCKS, WORSE_BLOCKS},
     neighbours::neighbours,
     patch::pixel_pitch,
     plane::PlaneFrame,
     surface::Surface,
     tile_fit::{Fitted, fit},
+    tile_relief::TileRelief,
     tiling::{Tile, readings},
     valleys::Valleys,
     verify::pose_on,
 };
 
+/// Tops of fewer pixels across are not looked for: what a smear from both sides leaves of them is too little to tell the
+/// right arrangement from others by how plane its tops are.
+const LEAST_ACROSS: f64 = 90.0;
 /// Surfaces of one height differ by no more than this share of a carton's height.
 const ONE_HEIGHT: f64 = 0.15;
 /// Beyond outer sides it is at least so much deeper, in heights of a carton.
@@ -55,12 +60,11 @@ const KNOWN: f64 = 0.010;
 pub fn find_smeared(
     mask: &[u8],
     image: &DepthImage,
+    smeared: &DepthImage,
     settings: &VisionSettings,
     smallest: f64,
     detection: &mut Detection,
 ) -> Vec<DetectedBox> {
-    /// Less than this share of the smallest carton is no further one.
-    const LEAST_REST: f64 = 0.5;
     let height = settings.sizes.iter().map(|s| s.height).fold(1.0, f64::min);
     let tolerance = settings.plane_tolerance.max(ONE_HEIGHT * height);
     let loose = VisionSettings {
@@ -92,16 +96,18 @@ pub fn find_smeared(
             .filter(|b| surface.is_level_with(b, &loose) && is_within(b, &layout))
             .collect();
         let covered: f64 = known.iter().map(|b| b.size.length * b.size.width).sum();
-        if surface.area - covered < LEAST_REST * smallest {
-            continue;
-        }
-        let (boxes, reason) = layer(image, settings, layout, tolerance, height, &known);
+        let (boxes, reason) = layer(smeared, settings, layout, tolerance, height, &known);
+        detection
+            .boxes
+            .retain(|k| !boxes.iter().any(|b| overlap(k, b)));
         found.extend(boxes);
-        detection.rejected.extend(reason.map(|reason| RejectedSurface {
-            reason,
-            centre_in_camera: surface.frame.origin,
-            area: surface.area - covered,
-        }));
+        detection
+            .rejected
+            .extend(reason.map(|reason| RejectedSurface {
+                reason,
+                centre_in_camera: surface.frame.origin,
+                area: surface.area - covered,
+            }));
     }
     found
 }
@@ -128,13 +134,18 @@ fn layer(
     known: &[&DetectedBox],
 ) -> (Vec<DetectedBox>, Option<RejectReason>) {
     let cell = pixel_pitch(&frame, &image.intrinsics);
-    let smear = settings.smear_px.clamp(4, 24);
     let shortest = settings
         .sizes
         .iter()
         .map(|s: &BoxSize| s.length.min(s.width))
         .fold(1.0, f64::min);
-    let slack = ((smear as f64 / 3.0 + 2.0) * cell).max(0.012).min(0.15 * shortest);
+    let smear = settings.smear_px.clamp(4, 24);
+    if shortest < LEAST_ACROSS * cell {
+        return (Vec::new(), None);
+    }
+    let slack = ((smear as f64 / 3.0 + 2.0) * cell)
+        .max(0.012)
+        .min(0.15 * shortest);
     let margin = 4.0 * slack + 0.03;
     let level = Level::new(
         image,
@@ -143,12 +154,33 @@ fn layer(
             range: range.map(|[a, b]| [a - margin, b + margin]),
             cell,
             tolerance,
+            height,
+            smear: smear,
             valley: smear + 4,
         },
     );
     let valleys = Valleys::new(&level, smear as f64 * cell, shortest);
-    let (mut fitted, complete) = rated(&level, &valleys, settings, slack, height);
-    fitted.sort_by(|a, b| (a.cost - a.seams).total_cmp(&(b.cost - b.seams)));
+    let relief = TileRelief::new(
+        &level,
+        smear.max(2 * settings.average_px + 1),
+        shortest,
+        settings.sigma(),
+    );
+    let (mut fitted, complete) = rated(&level, &valleys, &relief, settings, slack, height);
+    if !fitted.iter().any(|r| r.holds) {
+        return (Vec::new(), Some(RejectReason::NoKnownSize));
+    }
+    let noise = fitted
+        .iter()
+        .filter(|r| r.holds)
+        .map(|r| r.misfit.mean())
+        .filter(|m| *m > 0.0)
+        .fold(f64::MAX, f64::min);
+    for r in &mut fitted {
+        r.uneven = r.misfit.beyond(noise) / (noise * relief.lump);
+    }
+    let (mut fitted, odd): (Vec<Rated>, Vec<Rated>) = fitted.into_iter().partition(|r| r.holds);
+    fitted.sort_by(|a, b| a.total().total_cmp(&b.total()));
     let Some(best) = fitted.first() else {
         return (Vec::new(), Some(RejectReason::NoKnownSize));
     };
@@ -158,7 +190,11 @@ fn layer(
         .filter(|other| !best.rules_out(other) && !same(&first.tiles, &other.one.tiles))
         .map(|other| &other.one)
         .collect();
-    if !complete && !rivals.is_empty() {
+    // One that explains the inside better although its outline is odd: then the outline was misread.
+    let misread = odd
+        .iter()
+        .any(|o| !same(&first.tiles, &o.one.tiles) && best.inside(o) < 0.0);
+    if misread || !complete && !rivals.is_empty() {
         return (Vec::new(), Some(RejectReason::Ambiguous));
     }
     let best = first;
@@ -181,7 +217,7 @@ fn layer(
         let placed = best.spread[n].iter().all(|s| *s <= KNOWN);
         open |= !shared;
         if shared && placed && !tile.hidden && all[n].visible_fraction >= LEAST_SEEN {
-            boxes.extend(Some(all[n].clone()).filter(|b| !known.iter().any(|k| overlap(k, b))));
+            boxes.push(all[n].clone());
         }
     }
     (boxes, open.then_some(RejectReason::Ambiguous))
@@ -191,6 +227,7 @@ fn layer(
 fn rated(
     level: &Level,
     valleys: &Valleys,
+    relief: &TileRelief,
     settings: &VisionSettings,
     slack: f64,
     height: f64,
@@ -220,19 +257,31 @@ fn rated(
                 .sum();
             // Narrow gaps may hide in the noise, wide ones must show.
             let shown = seams >= SHOWN * one.seams.len() as f64;
-            let usual = one.fat_deviations.abs() <= MOST_UNUSUAL
-                && (shown || one.gap_deviations.abs() <= MOST_UNUSUAL);
+            let hidden = one.tiles.iter().filter(|t| t.hidden).count();
+            // A hidden side proves nothing: the others must prove all the more.
+            let most = if hidden > 0 { 1.0 } else { MOST_UNUSUAL };
+            let usual =
+                one.fat_deviations.abs() <= most && (shown || one.gap_deviations.abs() <= most);
             let holds = usual
                 && open as f64 <= MOST_OPEN * places.len() as f64
                 && one.outer <= MOST_ERROR * one.outer_sides as f64
                 && one.worst <= WORST_ERROR
                 && one.ends >= LEAST_ENDS
                 && one.drop >= LEAST_DROP * height;
-            if holds {
-                let hidden = one.tiles.iter().filter(|t| t.hidden).count();
-                let cost = one.squares + HIDDEN * hidden as f64 + GOES_ON * (1.0 - one.ends);
-                fitted.push(Rated { cost, seams, one });
-            }
+            let cost = one.squares + HIDDEN * hidden as f64 + GOES_ON * (1.0 - one.ends);
+            let seen = relief.misfit(&one.tiles);
+            let misfit = seen.unwrap_or_default();
+            // One carton is one plane, as far as noise lets it be seen.
+            let uneven = misfit.beyond(relief.noise) / (relief.noise * relief.lump);
+            let most = WORSE_BLOCKS + OVERFIT_BLOCKS * one.tiles.len() as f64;
+            fitted.push(Rated {
+                cost,
+                seams,
+                misfit,
+                uneven: 0.0,
+                holds: holds && seen.is_some() && uneven <= most,
+                one,
+            });
         }
     }
     (fitted, complete)
@@ -242,22 +291,38 @@ fn rated(
 struct Rated {
     cost: f64,
     seams: f64,
+    /// How little plane its tops are, and the same beyond the noise, in its deviations.
+    misfit: Misfit,
+    uneven: f64,
+    /// Nothing about it is out of the ordinary.
+    holds: bool,
     one: Fitted,
 }
 
+/// What of a difference is more than chance.
+fn past(difference: f64, chance: f64) -> f64 {
+    difference.signum() * (difference.abs() - chance).max(0.0)
+}
+
 impl Rated {
-    /// True when the other one is out of the question beside this one.
-    fn rules_out(&self, other: &Self) -> bool {
+    /// What speaks against it in all.
+    fn total(&self) -> f64 {
+        self.cost - self.seams + self.uneven
+    }
+
+    /// By how much this one explains what lies inside the outline better than another, beyond chance.
+    fn inside(&self, other: &Self) -> f64 {
         // Seams where there are none add a half each by chance, with a deviation of 1.1: of two readings four
         // deviations of their sum.
         let by_chance = 4.0 * (2.5 * self.one.seams.len().max(1) as f64).sqrt();
-        let seams = self.seams - other.seams;
-        let beyond = if seams > 0.0 {
-            (seams - by_chance).max(0.0)
-        } else {
-            (seams + by_chance).min(0.0)
-        };
-        other.cost - self.cost + beyond > LEAD
+        let cartons = self.one.tiles.len().abs_diff(other.one.tiles.len());
+        let uneven = WORSE_BLOCKS + OVERFIT_BLOCKS * cartons as f64;
+        past(self.seams - other.seams, by_chance) + past(other.uneven - self.uneven, uneven)
+    }
+
+    /// True when the other one is out of the question beside this one.
+    fn rules_out(&self, other: &Self) -> bool {
+        other.cost - self.cost + self.inside(other) > LEAD
     }
 }
 

@@ -74,14 +74,12 @@ pub fn fit(level: &Level, tiles: &[Tile], slack: f64) -> Option<Fitted> {
             let lines = look(level, tiles, tile, (axis, sign), slack);
             ends[0] += lines.ends.len();
             ends[1] += lines.ends.len() + lines.on;
-            let wall = wall(level, &tiles[tile], (axis, sign), median(lines.drops.clone()));
             let side = |at| Side {
                 tile,
                 axis,
                 sign,
-                // Half of the wall's height is half of the step.
-                at: at - sign * (0.5 * wall).min(slack),
-                spread: SIDE.hypot(SIDE_CELLS * level.cell).hypot(0.3 * wall),
+                at,
+                spread: SIDE.hypot(SIDE_CELLS * level.cell),
             };
             drops.extend(&lines.drops);
             if lines.hidden.len() > lines.ends.len() + lines.on {
@@ -117,7 +115,11 @@ pub fn fit(level: &Level, tiles: &[Tile], slack: f64) -> Option<Fitted> {
     }
     for s in &hidden {
         let off = s.sign * tiles[s.tile].half[s.axis];
-        add(&[(2 * s.tile + s.axis, 1.0)], s.at - off, HIDDEN_SIDE * slack);
+        add(
+            &[(2 * s.tile + s.axis, 1.0)],
+            s.at - off,
+            HIDDEN_SIDE * slack,
+        );
     }
     for s in &seams {
         let [a, b] = s.tiles;
@@ -191,18 +193,6 @@ struct Lines {
     drops: Vec<f64>,
 }
 
-/// How wide the wall below a side shows on the plane, metres: 0 where the top hides it.
-fn wall(level: &Level, tile: &Tile, (axis, sign): (usize, f64), drop: Option<f64>) -> f64 {
-    let Some(drop) = drop else { return 0.0 };
-    let frame = &level.frame;
-    let to_camera = -frame.origin.coords;
-    let above = to_camera.dot(&frame.plane.normal());
-    let camera = to_camera.dot(if axis == 0 { &frame.x } else { &frame.y });
-    let beyond = sign * camera - (sign * tile.centre[axis] + tile.half[axis]);
-    // Along the line of sight it is deeper by about as much as it is lower.
-    (drop * beyond / (above + drop)).max(0.0)
-}
-
 /// Of a side less than this may be chance, metres.
 const LEAST: f64 = 0.04;
 
@@ -226,14 +216,20 @@ fn look(
     let count = (1.8 * own.half[across] / cell) as usize;
     let mut lines = Lines::default();
     for n in 0..count {
-        let t = own.centre[across] + ((n as f64 + 0.5) / count as f64 - 0.5) * 1.8 * own.half[across];
+        let t =
+            own.centre[across] + ((n as f64 + 0.5) / count as f64 - 0.5) * 1.8 * own.half[across];
         let place = |out: f64| {
             let mut p = [0.0; 2];
             p[axis] = side + sign * out;
             p[across] = t;
             p
         };
-        let taken = |p: [f64; 2]| tiles.iter().enumerate().any(|(k, o)| k != tile && o.holds(p, 0.0));
+        let taken = |p: [f64; 2]| {
+            tiles
+                .iter()
+                .enumerate()
+                .any(|(k, o)| k != tile && o.holds(p, 0.0))
+        };
         if taken(place(slack)) || taken(place(2.0 * slack)) {
             continue;
         }
@@ -258,7 +254,7 @@ fn look(
         match ended {
             Some((out, Cell::Deep)) => {
                 lines.ends.push(side + sign * (out + 0.5 * cell));
-                if let Some(drop) = level.depth_below(place(out + slack + 0.02)) {
+                if let Some(drop) = level.depth_below(place(out + level.foot)) {
                     lines.drops.push(drop);
                 }
             }

@@ -137,7 +137,10 @@ fn seeds(level: &Level, shortest: f64, slack: f64) -> Vec<[f64; 2]> {
     let count = |r: [f64; 2]| ((r[1] - r[0]) / step) as usize;
     for j in 0..count(y) {
         for i in 0..count(x) {
-            let at = [x[0] + (i as f64 + 0.5) * step, y[0] + (j as f64 + 0.5) * step];
+            let at = [
+                x[0] + (i as f64 + 0.5) * step,
+                y[0] + (j as f64 + 0.5) * step,
+            ];
             let [on, _] = level.shares(at.map(|v| v - around), at.map(|v| v + around));
             if on > ALL {
                 found.push(at);
@@ -227,7 +230,8 @@ impl Tiling<'_> {
     /// lines are ragged: it is looked for along all of the side.
     fn ends(&self, seed: [f64; 2], placed: &[Tile], sides: [f64; 2]) -> [[End; 2]; 2] {
         const LINES: [f64; 5] = [0.15, 0.325, 0.5, 0.675, 0.85];
-        let mut ends = [0, 1].map(|axis| [-1.0, 1.0].map(|sign| self.walk(seed, placed, axis, sign)));
+        let mut ends =
+            [0, 1].map(|axis| [-1.0, 1.0].map(|sign| self.walk(seed, placed, axis, sign)));
         for axis in [1, 0, 1, 0] {
             let across = 1 - axis;
             // From where the tile would lie by what is known so far.
@@ -288,7 +292,11 @@ impl Tiling<'_> {
         loop {
             place[axis] += sign * cell;
             if let Some(p) = placed.iter().find(|p| p.holds(place, 0.0)) {
-                let at = if sign < 0.0 { p.high(axis) } else { p.low(axis) };
+                let at = if sign < 0.0 {
+                    p.high(axis)
+                } else {
+                    p.low(axis)
+                };
                 return End { at, hidden: false };
             }
             if place[axis] < least || place[axis] > most {

@@ -66,7 +66,7 @@ fn view(at: &Pose, shapes: &[RenderShape], shift: f64, seed: u64) -> Vec<f32> {
             let light = dots(pattern(scale) + 4000.0, p.y / p.z * scale + 4000.0, seed);
             let world = eye * (p - Vector::new(shift, 0.0, 0.0));
             let paper = dots(world.x / 0.004 + 4000.0, world.y / 0.004 + 4000.0, seed + 1);
-            60.0 * (0.4 + light) * (0.9 + 0.2 * paper) + noise.normal(0.0, 2.0) as f32
+            60.0 * (0.4 + light) * (0.9 + 0.2 * paper) + noise.normal(2.0) as f32
         })
         .collect()
 }
@@ -152,14 +152,22 @@ pub fn matched(at: &Pose, shapes: &[RenderShape], seed: u64) -> DepthFrame {
             let d = best(&|d| costs[d][n]);
             // The other eye must agree.
             let from_right = |o: usize| {
-                if u + o < d + k.width { costs[o].get(n + o - d).copied().unwrap_or(64.0) } else { 64.0 }
+                if u + o < d + k.width {
+                    costs[o].get(n + o - d).copied().unwrap_or(64.0)
+                } else {
+                    64.0
+                }
             };
             if d > u || best(&from_right).abs_diff(d) > 1 || costs[d][n] > MOST_BITS {
                 return 0.0;
             }
             let (a, b, c) = (costs[d - 1][n], costs[d][n], costs[d + 1][n]);
             let bend = a - 2.0 * b + c;
-            let part = if bend > 1e-6 { 0.5 * (a - c) / bend } else { 0.0 };
+            let part = if bend > 1e-6 {
+                0.5 * (a - c) / bend
+            } else {
+                0.0
+            };
             let disparity = ((d as f32 + part) * PARTS).round() / PARTS;
             let z = (k.fx * BASELINE) as f32 / disparity;
             (z * 1e3).round() * 1e-3
