@@ -1,4 +1,8 @@
-//! Where a surface ends across its sides, for tops whose size is not known.
+//! Where a surface ends across its sides.
+//!
+//! A line fitted to where scan lines leave a surface lies inside its real side, by how many of the outermost pixels
+//! the camera loses; that differs between cameras and between what lies beyond the sides. The place where the share of
+//! pixels that are surface falls hardly depends on it.
 
 use crate::{gate::DepthImage, plane::PlaneFrame};
 

@@ -30,7 +30,8 @@
 //!    cartons do; `unknown`: what is hidden or not measured may be part of one.
 //!    `measure`: tops of unknown size, where all four sides fall away.
 //! 7. `sides`: lines fitted to where scan lines leave the surface; four sides share one turn.
-//!    `inset`: how far inside the real edges this camera shows them.
+//!    `ends`: where a surface ends, whatever is lost of its outermost pixels; `between_ends`: cartons lie in the
+//!    middle. `fold`: rounded edges, by where the tops begin to fall. `inset`: how far inside the real edges this camera shows them.
 //!    `joint`: the cartons of a covering are placed together, by sides, by seams and by each other.
 //! 8. `verify`: size, wholeness, cover, tilt. `turn_together`: what stands too close to be turned much.
 //!    `obstacles`: what nothing reported explains.
@@ -72,6 +73,7 @@
 
 mod arrange;
 mod average;
+mod between_ends;
 mod beyond;
 mod blank;
 mod breaks;
@@ -83,12 +85,12 @@ mod detect;
 mod detection;
 mod ends;
 mod even;
+mod fold;
 mod gate;
 mod ink;
 mod inset;
 mod joint;
 mod lean;
-mod level;
 mod measure;
 mod misfit;
 mod neighbours;
@@ -107,17 +109,12 @@ mod settings;
 mod settle;
 mod sides;
 mod smear;
-mod smeared;
 mod spaced_points;
 mod stands;
 mod steps;
 mod surface;
-mod tile_fit;
-mod tile_relief;
-mod tiling;
 mod turn_together;
 mod unknown;
-mod valleys;
 mod verify;
 
 pub use detect::{Stage, detect, detect_any_size, detect_staged};

@@ -83,11 +83,6 @@ fn smear_at(depth: &[f32], width: usize, sigma: Option<f64>, middle: Option<f64>
 }
 
 impl VisionSettings {
-    /// Deviation of a depth by noise for which the tolerances are made, metres.
-    pub(crate) fn sigma(&self) -> f64 {
-        self.plane_tolerance / SIGMAS
-    }
-
     /// Wider tolerances where the image itself is too noisy for the present ones, averaging where it is noisier
     /// still, and the width over which it smears steps; never less than now.
     pub fn suited_to(mut self, frame: &DepthFrame) -> Self {
