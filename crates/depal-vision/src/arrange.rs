@@ -3,14 +3,18 @@
 use depal_frames::BoxSize;
 
 use crate::{
-    breaks::{Breaks, ends_surface},
+    breaks::Breaks,
     cover::{Covering, cover},
+    gaps::is_wide,
     gate::DepthImage,
     ink::dark_sides,
+    parts::{is_needless, only_parts},
     patch::Patch,
+    proven::proven,
     relief::Relief,
-    seams::{LEAST_LINE, SEEN_SEAM, any_seam, islands, seams_seen, touches, widest_gap},
+    seams::{LEAST_LINE, any_seam, islands, seams_seen, touches, widest_gap},
     search::Candidate,
+    shown::Shown,
     unknown::Unknown,
 };
 
@@ -26,13 +30,6 @@ const CLEAR_LEAD_WHEN_LEVEL: f64 = 0.3;
 const UNLEVEL: f64 = 1.3;
 /// Fewer cartons than this without a seam between them are doubtful.
 const LEAST_WITHOUT_SEAM: usize = 3;
-
-/// Of a carton beside something hidden so many sides must show; the fourth may be what is hidden.
-const LEAST_SHOWN: usize = 3;
-/// Where gaps measure this much (lost pixels at their rims included), all gaps can be seen, metres.
-const WIDE_GAP: f64 = 0.0035;
-/// The same in cells: one for a gap that fills a pixel, 0.4 lost at each rim, and noise.
-const WIDE_GAP_CELLS: f64 = 2.2;
 
 /// Share of edge along each side of a lone carton that a piece of floor has by no chance.
 const FRAMED: f64 = 0.8;
@@ -73,31 +70,36 @@ pub fn arrange(open: &Open, fixed: &[Candidate]) -> Option<Arrangement> {
         tolerance,
         ..
     } = *open;
-    let with = |fixed: &[Candidate], unbroken: bool, unknown: Option<&Unknown>| {
-        arrange_with(open, fixed, unbroken, unknown)
-    };
     // Where steps are smeared, so are the heights beside them.
     if patch.is_smeared() {
-        return with(fixed, false, None);
+        return arrange_with(open, fixed, false);
     }
     // Cartons that are one plane each first: most wrong readings need others, and there are many of those.
-    let strict = with(fixed, true, None).or_else(|| with(fixed, false, None));
+    let strict = arrange_with(open, fixed, true).or_else(|| arrange_with(open, fixed, false));
     if strict.is_some() || is_one_plane(patch) {
         return strict;
     }
     let unknown = Unknown::new(image, patch, tolerance);
-    with(fixed, true, Some(&unknown)).or_else(|| {
-        // What was found by its outline may lie some cells off, or on another plane: the rest is proven without it.
-        if fixed.is_empty() {
-            return None;
-        }
-        let mut rest = with(&[], true, Some(&unknown))?;
-        rest.boxes.retain(|b| {
-            fixed
-                .iter()
-                .all(|f| f.overlap(b) < 0.04 && b.overlap(f) < 0.04)
-        });
-        Some(rest)
+    let relief = Relief::new(patch);
+    let shown = Shown {
+        image,
+        patch,
+        tolerance,
+        relief: &relief,
+        breaks: &Breaks::new(
+            &relief,
+            relief.noise(1).max(relief.noise(2)),
+            tolerance * UNEVEN,
+        ),
+        unknown: &unknown,
+    };
+    let boxes = proven(&shown, open.sizes, fixed);
+    (!boxes.is_empty()).then_some(Arrangement {
+        boxes,
+        ambiguous: true,
+        unique: true,
+        each_proven: true,
+        plain: false,
     })
 }
 
@@ -116,14 +118,8 @@ fn is_one_plane(patch: &Patch) -> bool {
     plane.squares < UNLEVEL * relief.noise(1) * plane.blocks as f64
 }
 
-/// `unbroken`: no height break runs through a carton. With `unknown` what is hidden or not measured may be part of
-/// cartons; only those are kept whose heights and edges prove them.
-fn arrange_with(
-    open: &Open,
-    fixed: &[Candidate],
-    unbroken: bool,
-    unknown: Option<&Unknown>,
-) -> Option<Arrangement> {
+/// `unbroken`: no height break runs through a carton.
+fn arrange_with(open: &Open, fixed: &[Candidate], unbroken: bool) -> Option<Arrangement> {
     let Open {
         patch,
         image,
@@ -136,7 +132,7 @@ fn arrange_with(
         least,
         readings,
         relief,
-    } = cover(patch, sizes, fixed, unbroken.then_some(uneven), unknown)?;
+    } = cover(patch, sizes, fixed, unbroken.then_some(uneven))?;
     // Even the best reading leaves steps in the middle of cartons: the right one is not among them.
     let noise = lags(patch).iter().map(|&lag| relief.noise(lag));
     let most = MOST_NOISE * noise.fold(0.0, f64::max) + uneven * uneven;
@@ -145,7 +141,7 @@ fn arrange_with(
     }
     let as_one = relief.misfit(readings.first()?);
     let level = patch.averaged || as_one.squares < UNLEVEL * least.mean() * as_one.blocks as f64;
-    // Heights prove nothing on a level surface; and with parts unknown it may be anything.
+    // Heights prove nothing on a level surface.
     if unbroken && level {
         return None;
     }
@@ -190,34 +186,18 @@ fn arrange_with(
     readings.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
     let best = readings.first()?.clone();
     let breaks = Breaks::new(&relief, relief.noise(1), uneven);
-    if let Some(unknown) = unknown {
-        let all: Vec<Candidate> = best.iter().chain(fixed).copied().collect();
-        let boxes: Vec<Candidate> = best
-            .iter()
-            .filter(|b| is_proven(b, &all, patch, &breaks, unknown))
-            .filter(|b| {
-                readings[1..]
-                    .iter()
-                    .filter(|r| merit(r) > merit(&best) - lead)
-                    .all(|r| r.iter().any(|o| b.is_like(o)))
-            })
-            .copied()
-            .collect();
-        return (!boxes.is_empty()).then_some(Arrangement {
-            boxes,
-            ambiguous: true,
-            unique: true,
-            each_proven: true,
-            plain: false,
-        });
-    }
     unique |= seams_seen(&best, patch.pitch) >= MOST_SEAMS;
     // One carton in a pit of higher ones stands on nothing that is seen, but all its sides are.
     let framed = best.len() == 1 && best[0].sides.iter().all(|&s| s >= FRAMED);
     let plain = level && !any_seam(&best, patch.pitch) && !framed;
+    let narrow = !is_wide(widest_gap(patch, &best), patch.pitch);
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
-        .filter(|r| merit(r) > merit(&best) - lead && !same(&best, r))
+        .filter(|r| {
+            // A seam not seen is none only where gaps are wide: else heights alone tell two cartons from one.
+            narrow && only_parts(r, &best, |_, _| true)
+                || merit(r) > merit(&best) - lead && !same(&best, r)
+        })
         .collect();
     if !rivals.is_empty() {
         // A level sheet can be covered in several ways, of which only some were tried: no proof.
@@ -239,7 +219,6 @@ fn arrange_with(
     // size stands proven beside them, or there are many of them and the gaps that are seen are so
     // narrow that others may well be invisible.
     let islands = islands(&best, patch, &breaks, !level && !patch.is_smeared());
-    let narrow = widest_gap(patch, &best) < WIDE_GAP.max(WIDE_GAP_CELLS * patch.pitch);
     let believable = |b: usize| {
         let together = islands.iter().filter(|&&i| i == islands[b]).count();
         together == 1
@@ -267,84 +246,6 @@ fn arrange_with(
         each_proven: false,
         plain,
     })
-}
-
-/// True when edges or height breaks show a side along both axes, and none runs through the carton.
-fn is_proven(
-    b: &Candidate,
-    all: &[Candidate],
-    patch: &Patch,
-    breaks: &Breaks,
-    unknown: &Unknown,
-) -> bool {
-    /// So many cells beyond a side tell what ends there.
-    const BEYOND: isize = 6;
-    let [i0, j0] = b.first.map(|v| v as isize);
-    let (i1, j1) = (i0 + b.cells[0] as isize, j0 + b.cells[1] as isize);
-    // The border of a shadow or of something nearer is none of the carton's.
-    let is_hidden = |side: usize| {
-        let beyond = match side {
-            0 => unknown.share(i0 - BEYOND, j0, i0, j1),
-            1 => unknown.share(i1, j0, i1 + BEYOND, j1),
-            2 => unknown.share(i0, j0 - BEYOND, i1, j0),
-            _ => unknown.share(i0, j1, i1, j1 + BEYOND),
-        };
-        beyond > 0.5
-    };
-    let shown = |side: usize| {
-        b.sides[side] >= SEEN_SEAM && ends_surface(patch, b, side) && !is_hidden(side)
-            || all
-                .iter()
-                .any(|o| touches(b, o, side, patch.pitch) && breaks.between(b, o, side))
-    };
-    let sides = [0, 1, 2, 3].map(shown);
-    (sides[0] || sides[1])
-        && (sides[2] || sides[3])
-        && sides.iter().filter(|s| **s).count() >= LEAST_SHOWN
-        && !breaks.within(b)
-}
-
-/// True when `finer` only parts cartons of `coarser` into smaller ones, and their heights do not ask for it.
-fn is_needless(finer: &[Candidate], coarser: &[Candidate], relief: &Relief, noise: f64) -> bool {
-    /// What an unnecessary carton explains of noise alone, in means of a block, is less than this.
-    const BY_CHANCE: f64 = 30.0;
-    if finer.len() <= coarser.len() {
-        return false;
-    }
-    let beyond = |c: &Candidate| {
-        let plane = relief.misfit(&[*c]);
-        plane.squares - noise * plane.blocks as f64
-    };
-    coarser.iter().all(|whole| {
-        if finer.iter().any(|c| c.is_like(whole)) {
-            return true;
-        }
-        let parts: Vec<&Candidate> = finer.iter().filter(|c| c.overlap(whole) > 0.9).collect();
-        let covered: f64 = parts.iter().map(|c| whole.overlap(c)).sum();
-        let apart: f64 = parts.iter().map(|c| beyond(c)).sum();
-        parts.len() > 1
-            && covered > 0.9
-            && beyond(whole) - apart < BY_CHANCE * noise * (parts.len() - 1) as f64
-            && parts.iter().all(|c| inner_edge(c, whole) < SEEN_SEAM)
-    })
-}
-
-/// The most edge along a side of a part that is none of the whole's.
-fn inner_edge(part: &Candidate, whole: &Candidate) -> f64 {
-    (0..4usize)
-        .filter(|&side| {
-            let axis = side / 2;
-            let line = |c: &Candidate| {
-                if side.is_multiple_of(2) {
-                    c.first[axis]
-                } else {
-                    c.first[axis] + c.cells[axis]
-                }
-            };
-            line(part).abs_diff(line(whole)) > 6
-        })
-        .map(|side| part.sides[side])
-        .fold(0.0, f64::max)
 }
 
 /// Distances in blocks over which noise is measured: that of a camera that smears goes on over many pixels.

@@ -25,9 +25,10 @@ pub struct Beyond {
 
 /// What lies no deeper than this beneath a top is what a sheet lies on, metres: no carton is so low.
 pub const THIN: f64 = 0.015;
-/// A gap between level cartons in which nothing was measured is at most so wide, metres: wider, and it shows its
-/// bottom; then it is a shadow or a strip of glossy tape, and the surface goes on behind it.
-const WIDEST_BLIND_GAP: f64 = 0.015;
+/// A gap between level cartons in which nothing was measured is at most so wide, metres: a wider one shows its bottom
+/// or a wall, if the projector reaches it; else it is a shadow or a strip of glossy tape, of which the narrowest has 36 mm,
+/// and the surface goes on behind it.
+pub const WIDEST_BLIND_GAP: f64 = 0.034;
 /// The longest shadow that is followed, pixels.
 const LONGEST_SHADOW: usize = 300;
 

@@ -22,6 +22,9 @@ const NO_EDGE: f64 = 0.04;
 /// Sides that make an outline.
 const LEAST_OUTLINE: usize = 3;
 
+/// What an unneeded plane explains of noise alone is less than this, in variances of a block: three on the average.
+pub const BY_CHANCE: f64 = 30.0;
+
 /// Finds breaks on one patch.
 pub struct Breaks<'a> {
     relief: &'a Relief,
@@ -42,10 +45,15 @@ impl<'a> Breaks<'a> {
         }
     }
 
-    /// True when two planes differ at a place (column, row of blocks) by more than noise and unevenness.
-    fn apart(&self, a: &Fit, b: &Fit, at: [f64; 2]) -> bool {
+    /// By how much two planes differ at a place (column, row of blocks), in what noise and unevenness do at most.
+    pub fn step(&self, a: &Fit, b: &Fit, at: [f64; 2]) -> f64 {
         let variance = self.noise * (a.spread(at) + b.spread(at));
-        (a.height(at) - b.height(at)).abs() > self.uneven.max(SIGMAS * variance.sqrt())
+        (a.height(at) - b.height(at)).abs() / self.uneven.max(SIGMAS * variance.sqrt())
+    }
+
+    /// True when they differ by more.
+    fn apart(&self, a: &Fit, b: &Fit, at: [f64; 2]) -> bool {
+        self.step(a, b, at) > 1.0
     }
 
     /// True when a line across the candidate parts it into two planes that do not meet there.
@@ -86,6 +94,21 @@ impl<'a> Breaks<'a> {
         })
     }
 
+    /// True when no line from side to side parts the candidate into two planes that explain its heights any better
+    /// than one does. Stricter than [`Breaks::within`]: cartons may be uneven, but one that is may as well be two.
+    pub fn is_one_plane(&self, candidate: &Candidate) -> bool {
+        let whole = self.relief.blocks_of(candidate);
+        (0..2).all(|axis| {
+            let (along, across) = (&whole[axis], &whole[1 - axis]);
+            (along.start + LEAST_PART..along.end.saturating_sub(LEAST_PART)).all(|cut| {
+                // The block at the cut may hold both.
+                let [low, high] = [along.start..cut, cut + 1..along.end]
+                    .map(|part| in_order(axis, part, across.clone()));
+                self.relief.gain_by_parting(&low, &high) < BY_CHANCE * self.noise
+            })
+        })
+    }
+
     /// True when the planes of two candidates that touch along side `side` (-X, +X, -Y, +Y) of the first do
     /// not meet there.
     pub fn between(&self, a: &Candidate, b: &Candidate, side: usize) -> bool {
@@ -112,11 +135,18 @@ impl<'a> Breaks<'a> {
             })
     }
 
-    /// True when what looks like a carton's outline is none: a break runs through it where gaps are seen too
-    /// badly for one inside to be seen, or its surface goes on beyond a side without edge or break.
-    pub fn refute(&self, patch: &Patch, candidate: &Candidate) -> bool {
+    /// True when what looks like a carton's outline is none: it needs the border of tape that lies within it; where
+    /// gaps are seen too badly for one inside to be seen, a break runs through it or it needs the borders of stripes,
+    /// or both; or its surface goes on beyond a side without edge or break. `doubtful`: it may be smaller cartons
+    /// whose gap does not show, however well the outer ones are seen.
+    pub fn refute(&self, patch: &Patch, candidate: &Candidate, doubtful: bool) -> bool {
         let weakest = candidate.sides.iter().copied().fold(f64::MAX, f64::min);
-        weakest < SEEN_WELL && (self.within(candidate) || needs_stripes(patch, candidate))
+        let stripes = needed_stripes(patch, candidate);
+        let doubts = [stripes != Stripes::None, self.within(candidate)];
+        doubtful && !self.is_one_plane(candidate)
+            || stripes == Stripes::Within
+            || doubts == [true; 2]
+            || weakest < SEEN_WELL && doubts != [false; 2]
             || (0..4).any(|side| {
                 candidate.sides[side] < 1.0 - NO_EDGE && self.goes_on(patch, candidate, side)
             })
@@ -187,11 +217,21 @@ impl<'a> Breaks<'a> {
     }
 }
 
-/// True when an outline needs the border of a stripe without measurement behind which the surface goes on: tape
-/// ends no carton.
-fn needs_stripes(patch: &Patch, candidate: &Candidate) -> bool {
+/// Stripes without measurement behind which the surface goes on, whose borders an outline needs: tape ends no carton.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stripes {
+    None,
+    /// Beyond its sides: tape or wide gaps.
+    Beyond,
+    /// One lies within: that is no gap.
+    Within,
+}
+
+fn needed_stripes(patch: &Patch, candidate: &Candidate) -> Stripes {
     /// Widths of a stripe that is no gap, metres.
     const WIDTHS: [f64; 2] = [0.010, 0.060];
+    /// Share of what is deep in a gap that shows its bottom anywhere.
+    const LEAST_DEEP: f64 = 0.02;
     let [narrow, wide] = WIDTHS.map(|w| (w / patch.pitch) as isize);
     let [i0, j0] = candidate.first.map(|v| v as isize);
     let (i1, j1) = (
@@ -204,26 +244,45 @@ fn needs_stripes(patch: &Patch, candidate: &Candidate) -> bool {
         2 => patch.surface(i0, j0 - d - 2, i1, j0 - d),
         _ => patch.surface(i0, j1 + d, i1, j1 + d + 2),
     };
+    let deep = |side: usize, d: isize| {
+        let at = |v: isize| v.max(0) as usize;
+        match side {
+            0 => patch.deep(at(i0 - d), at(j0), at(i0), at(j1)),
+            1 => patch.deep(at(i1), at(j0), at(i1 + d), at(j1)),
+            2 => patch.deep(at(i0), at(j0 - d), at(i1), at(j0)),
+            _ => patch.deep(at(i0), at(j1), at(i1), at(j1 + d)),
+        }
+    };
     let is_stripe = |side: usize| {
-        let deep = |d: isize| {
-            let at = |v: isize| v.max(0) as usize;
-            match side {
-                0 => patch.deep(at(i0 - d), at(j0), at(i0), at(j1)),
-                1 => patch.deep(at(i1), at(j0), at(i1 + d), at(j1)),
-                2 => patch.deep(at(i0), at(j0 - d), at(i1), at(j0)),
-                _ => patch.deep(at(i0), at(j1), at(i1), at(j1 + d)),
-            }
-        };
         (2..=wide)
             .find(|&d| on(side, d) > 0.5)
-            .is_some_and(|d| d >= narrow && deep(d) < 0.02)
+            .is_some_and(|d| d >= narrow && deep(side, d) < LEAST_DEEP)
     };
     // The same from across it: the stripe lies inside the side, surface directly beyond.
     let is_far_border =
         |side: usize| !ends_surface(patch, candidate, side) && (0..8).any(|d| on(side, d) > 0.5);
-    let stripes = [0, 1, 2, 3].map(|side| is_stripe(side) || is_far_border(side));
+    let within = [0, 1, 2, 3].map(is_far_border);
+    let any_within = within.contains(&true);
+    // Where tape lies within, what is not measured beyond another side may be the next tape, wider than the patch shows.
+    let is_blind = |side: usize| {
+        let reach = [
+            i0,
+            patch.columns as isize - i1,
+            j0,
+            patch.rows as isize - j1,
+        ][side];
+        !(0..reach - 1).any(|d| on(side, d) > 0.5) && deep(side, reach) < LEAST_DEEP
+    };
+    let stripes =
+        [0, 1, 2, 3].map(|side| within[side] || is_stripe(side) || any_within && is_blind(side));
     let plain = (0..4).filter(|&side| candidate.sides[side] >= SEEN && !stripes[side]);
-    stripes.contains(&true) && plain.count() < LEAST_OUTLINE
+    if plain.count() >= LEAST_OUTLINE || !stripes.contains(&true) {
+        Stripes::None
+    } else if any_within {
+        Stripes::Within
+    } else {
+        Stripes::Beyond
+    }
 }
 
 /// True when there is surface directly inside a side (-X, +X, -Y, +Y): only that can end there.

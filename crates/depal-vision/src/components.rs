@@ -1,5 +1,7 @@
 //! Stage 3: connected pieces of surface, as runs of pixels.
 
+use crate::scratch::Kept;
+
 /// Pixels `first..=last` of one row.
 #[derive(Debug, Clone, Copy)]
 pub struct Run {
@@ -15,10 +17,10 @@ pub struct Component {
     pub pixels: usize,
 }
 
-/// All pieces of a mask in order of their first pixel.
-pub fn components(mask: &[u8], width: usize) -> Vec<Component> {
-    let mut runs: Vec<Run> = Vec::new();
-    let mut parent: Vec<usize> = Vec::new();
+/// All pieces of a mask that have at least so many pixels, in order of their first one.
+pub fn components(mask: &[u8], width: usize, least_pixels: usize) -> Vec<Component> {
+    let mut runs: Kept<Run> = Kept::with_capacity(8192);
+    let mut parent: Kept<usize> = Kept::with_capacity(8192);
     let mut above = 0..0;
     for (row, line) in mask.chunks_exact(width).enumerate() {
         let start = runs.len();
@@ -48,17 +50,31 @@ pub fn components(mask: &[u8], width: usize) -> Vec<Component> {
         }
         above = start..runs.len();
     }
-    let mut slot = vec![usize::MAX; runs.len()];
+    // Pixels and runs of each piece, at its first run.
+    let mut sizes = vec![[0u32; 2]; runs.len()];
+    for (i, run) in runs.iter().enumerate() {
+        // No run has a parent behind it, and all before are done.
+        let first = parent[parent[i]];
+        parent[i] = first;
+        sizes[first][0] += (run.last - run.first + 1) as u32;
+        sizes[first][1] += 1;
+    }
     let mut found: Vec<Component> = Vec::new();
     for (i, &run) in runs.iter().enumerate() {
-        let r = root(&mut parent, i);
-        if slot[r] == usize::MAX {
-            slot[r] = found.len();
-            found.push(Component::default());
+        let first = parent[i];
+        let [pixels, count] = sizes[first];
+        if (pixels as usize) < least_pixels {
+            continue;
         }
-        let component = &mut found[slot[r]];
-        component.pixels += run.last - run.first + 1;
-        component.runs.push(run);
+        if first == i {
+            // From now on where it stands among those found.
+            sizes[i][1] = found.len() as u32;
+            found.push(Component {
+                runs: Vec::with_capacity(count as usize),
+                pixels: pixels as usize,
+            });
+        }
+        found[sizes[first][1] as usize].runs.push(run);
     }
     found
 }
@@ -71,28 +87,30 @@ fn first_not<const SAME: u8>(line: &[u8]) -> Option<usize> {
         .position(|chunk| *chunk != [SAME; 16])
         .unwrap_or(chunks.len());
     let from = 16 * skipped;
-    let tail = if skipped < chunks.len() {
-        &chunks[skipped][..]
-    } else {
-        rest
-    };
-    tail.iter().position(|&b| b != SAME).map(|k| from + k)
+    if let Some(chunk) = chunks.get(skipped) {
+        let differing = u128::from_le_bytes(*chunk) ^ u128::from_le_bytes([SAME; 16]);
+        return Some(from + differing.trailing_zeros() as usize / 8);
+    }
+    rest.iter().position(|&b| b != SAME).map(|k| from + k)
 }
 
-/// Calls `found` with the place of each zero in a line of zeros and ones, sixteen at a time.
-pub fn each_zero(line: &[u8], mut found: impl FnMut(usize)) {
+/// Calls `found` with each place at which one line of zeros and ones holds 0 and the other one, where there is one,
+/// holds 1; sixteen at a time.
+pub fn each_zero(line: &[u8], other: Option<&[u8]>, mut found: impl FnMut(usize)) {
     let (chunks, rest) = line.as_chunks::<16>();
-    let places = chunks
-        .iter()
-        .enumerate()
-        .filter(|(_, chunk)| **chunk != [1; 16])
-        .map(|(n, chunk)| (16 * n, &chunk[..]))
-        .chain(std::iter::once((16 * chunks.len(), rest)));
-    for (from, bytes) in places {
-        for (k, _) in bytes.iter().enumerate().filter(|(_, b)| **b == 0) {
-            found(from + k);
+    let mut look = |from: usize, bytes: &[u8]| {
+        for (k, &byte) in bytes.iter().enumerate() {
+            if byte == 0 && other.is_none_or(|other| other[from + k] == 1) {
+                found(from + k);
+            }
+        }
+    };
+    for (n, chunk) in chunks.iter().enumerate() {
+        if *chunk != [1; 16] {
+            look(16 * n, chunk);
         }
     }
+    look(16 * chunks.len(), rest);
 }
 
 fn root(parent: &mut [usize], mut i: usize) -> usize {

@@ -7,16 +7,17 @@ use depal_frames::BoxSize;
 use crate::{
     breaks::Breaks,
     misfit::{Misfit, OVERFIT_BLOCKS, WORSE_BLOCKS, WORSE_SHARE, apart},
+    parts::is_part,
     patch::{BLOCK, Patch},
     relief::Relief,
     search::{Candidate, climb, extents, has_seam, measure},
-    unknown::Unknown,
 };
 
 /// Placements tried before giving up: far more than any sensible layer needs.
 const MOST_TRIES: usize = 20_000;
-/// The same where the unknown makes many more possible.
-const MOST_TRIES_WITH_UNKNOWN: usize = 6_000;
+/// The same for cartons of several sizes, for which a layer of thirty needs a hundred: more mean that it can be read in
+/// too many ways.
+const MOST_TRIES_MIXED: usize = 2_000;
 /// Readings compared before deciding.
 const MOST_READINGS: usize = 16;
 /// While only a part is covered: a covering that is so far worse than the best one on the same blocks by so many
@@ -34,14 +35,12 @@ pub struct Covering {
 }
 
 /// Covers what `fixed` leaves uncovered; `None` when the known sizes cannot, or in too many ways.
-/// `uneven`: height breaks by more than that (metres) part two cartons; `None`: cartons may have them. With `unknown`,
-/// cells of it may belong to cartons as well.
+/// `uneven`: height breaks by more than that (metres) part two cartons; `None`: cartons may have them.
 pub fn cover(
     patch: &Patch,
     sizes: &[BoxSize],
     fixed: &[Candidate],
     uneven: Option<f64>,
-    unknown: Option<&Unknown>,
 ) -> Option<Covering> {
     let relief = Relief::new(patch);
     let mut search = Search {
@@ -53,20 +52,13 @@ pub fn cover(
         relief,
         known: BTreeMap::new(),
         tries: 0,
-        most_tries: if unknown.is_some() {
-            MOST_TRIES_WITH_UNKNOWN
-        } else {
-            MOST_TRIES
-        },
         uneven,
-        unknown,
         least: None,
         expected: Vec::new(),
         readings: Vec::new(),
     };
     search.descend(&mut fixed.to_vec(), 0, Misfit::default(), 0.0);
-    // With parts unknown nothing follows from there being no other reading.
-    if search.tries >= search.most_tries && unknown.is_none() {
+    if search.tries >= search.most_tries() {
         return None;
     }
     let least = search.least?;
@@ -86,7 +78,7 @@ pub fn cover(
 }
 
 /// Each size and way round that can be told from the pixels: label, turned, cells.
-fn kinds(patch: &Patch, sizes: &[BoxSize]) -> Vec<(u32, bool, [usize; 2])> {
+pub fn kinds(patch: &Patch, sizes: &[BoxSize]) -> Vec<(u32, bool, [usize; 2])> {
     let mut kinds = Vec::new();
     for (label, size) in sizes.iter().enumerate() {
         for turned in [false, true] {
@@ -144,9 +136,7 @@ struct Search<'a> {
     /// What was found at a corner (column, row) for a kind, with how little plane it is.
     known: BTreeMap<(usize, usize, usize), Option<(Candidate, Misfit)>>,
     tries: usize,
-    most_tries: usize,
     uneven: Option<f64>,
-    unknown: Option<&'a Unknown<'a>>,
     /// The best complete covering so far.
     least: Option<Misfit>,
     /// Of that one: what each block adds to its misfit, summed over all blocks below and left.
@@ -155,11 +145,19 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    fn most_tries(&self) -> usize {
+        if self.mixed {
+            MOST_TRIES_MIXED
+        } else {
+            MOST_TRIES
+        }
+    }
+
     /// `from`: all blocks before it are covered. The first uncovered block (lowest row, then
     /// column) holds the low corner of some box. The most plane box is tried first. `excess`: how much
     /// less plane than the best covering this one is on the same blocks, square metres.
     fn descend(&mut self, placed: &mut Vec<Candidate>, from: usize, misfit: Misfit, excess: f64) {
-        if self.tries >= self.most_tries || self.is_hopeless(excess) {
+        if self.tries >= self.most_tries() || self.is_hopeless(excess) {
             return;
         }
         let Some(next) = (from..self.blocks.len()).find(|&b| !is_covered(&self.blocks[b], placed))
@@ -169,7 +167,8 @@ impl Search<'_> {
         };
         let block = self.blocks[next];
         let mut options: Vec<(Candidate, Misfit)> = Vec::new();
-        for (corner, kind) in self.corners(block, placed) {
+        let corner = self.corner(block, placed);
+        for kind in 0..self.kinds.len() {
             self.tries += 1;
             let key = (corner[0], corner[1], kind);
             let found = if let Some(known) = self.known.get(&key) {
@@ -188,6 +187,16 @@ impl Search<'_> {
                     .iter()
                     .all(|p| p.overlap(candidate) < 0.04 && candidate.overlap(p) < 0.04)
             }));
+        }
+        // Where cartons are told apart by their heights, a part of one is none: each of n cartons that two smaller ones
+        // would cover as well would double the number of readings.
+        if self.uneven.is_some() && self.mixed {
+            let all: Vec<Candidate> = options.iter().map(|(candidate, _)| *candidate).collect();
+            let breaks = Breaks::new(&self.relief, self.noise, 0.0);
+            options.retain(|(part, _)| {
+                !all.iter()
+                    .any(|whole| is_part(part, whole) && breaks.is_one_plane(whole))
+            });
         }
         options.sort_by(|a, b| a.1.mean().total_cmp(&b.1.mean()));
         // What the best covering has changes with every complete one: sums are taken anew.
@@ -224,14 +233,14 @@ impl Search<'_> {
 
     fn keep(&mut self, misfit: Misfit, placed: &[Candidate]) {
         let noise = self.noise;
-        let beyond = |m: &Misfit| m.beyond(noise);
-        if self.least.is_none_or(|l| beyond(&misfit) < beyond(&l)) {
+        let price = |m: &Misfit| m.price(noise);
+        if self.least.is_none_or(|l| price(&misfit) < price(&l)) {
             self.least = Some(misfit);
             self.expect(misfit.mean(), placed);
         }
         self.readings.push((misfit, placed.to_vec()));
         self.readings
-            .sort_by(|a, b| beyond(&a.0).total_cmp(&beyond(&b.0)));
+            .sort_by(|a, b| price(&a.0).total_cmp(&price(&b.0)));
         self.readings.truncate(MOST_READINGS);
     }
 
@@ -259,42 +268,11 @@ impl Search<'_> {
         at(i.end, j.end) - at(i.start, j.end) - at(i.end, j.start) + at(i.start, j.start)
     }
 
-    /// Where the low corner of the box that holds a block may be, for each kind. A box may go on through what is
-    /// unknown, to where that ends or in steps of its size from there.
-    fn corners(&self, block: [usize; 2], placed: &[Candidate]) -> Vec<([usize; 2], usize)> {
-        let mut found = Vec::new();
-        let ways: &[[bool; 2]] = if self.unknown.is_some() {
-            &[[false, false], [true, false], [false, true], [true, true]]
-        } else {
-            &[[false, false]]
-        };
-        for &way in ways {
-            let corner = self.corner(block, placed, way);
-            for (kind, (_, _, cells)) in self.kinds.iter().enumerate() {
-                let mut corner = corner;
-                for axis in 0..2 {
-                    if way[axis] {
-                        let steps = (block[axis] - corner[axis]) / cells[axis];
-                        corner[axis] += steps * cells[axis];
-                    }
-                }
-                if !found.contains(&(corner, kind)) {
-                    found.push((corner, kind));
-                }
-            }
-        }
-        found
-    }
-
     /// The low corner of the box that holds a block: down and left until the surface or the free
     /// space ends.
-    fn corner(&self, block: [usize; 2], placed: &[Candidate], unknown: [bool; 2]) -> [usize; 2] {
-        let is_surface = |axis: usize, i0: isize, j0: isize, i1: isize, j1: isize| {
-            let unknown = self.unknown.filter(|_| unknown[axis]);
-            self.patch.surface(i0, j0, i1, j1)
-                + unknown.map_or(0.0, |unknown| unknown.share(i0, j0, i1, j1))
-                > 0.5
-        };
+    fn corner(&self, block: [usize; 2], placed: &[Candidate]) -> [usize; 2] {
+        let is_surface =
+            |i0: isize, j0: isize, i1: isize, j1: isize| self.patch.surface(i0, j0, i1, j1) > 0.5;
         let taken = |i: isize, j: isize| {
             placed.iter().any(|p| {
                 let inside = |k: usize, v: isize| {
@@ -304,11 +282,11 @@ impl Search<'_> {
             })
         };
         let (mut i, mut j) = (block[0] as isize, block[1] as isize);
-        while i > 0 && !taken(i - 1, block[1] as isize) && is_surface(0, i - 1, j - 2, i, j + 3) {
+        while i > 0 && !taken(i - 1, block[1] as isize) && is_surface(i - 1, j - 2, i, j + 3) {
             i -= 1;
         }
         let column = block[0] as isize;
-        while j > 0 && !taken(column, j - 1) && is_surface(1, column - 2, j - 1, column + 3, j) {
+        while j > 0 && !taken(column, j - 1) && is_surface(column - 2, j - 1, column + 3, j) {
             j -= 1;
         }
         [i as usize, j as usize]
@@ -326,9 +304,7 @@ impl Search<'_> {
             let inward = corner.map(|c| c + 1);
             measure(self.patch, label, turned, inward, cells, WHOLE)
         });
-        let Some(start) = whole else {
-            return self.partly_hidden(label, turned, corner, cells, WHOLE);
-        };
+        let start = whole?;
         let moved = climb(self.patch, start, WHOLE, LEAST_GAIN);
         let near = (0..2).all(|k| moved.first[k].abs_diff(start.first[k]) <= 4);
         let candidate = if near && moved.score > start.score + 0.15 {
@@ -343,30 +319,5 @@ impl Search<'_> {
             cartons: 1,
         };
         (!has_seam(self.patch, &candidate)).then_some((candidate, misfit))
-    }
-
-    /// A box of which a part is unknown; what can be seen of it is one surface.
-    fn partly_hidden(
-        &self,
-        label: u32,
-        turned: bool,
-        corner: [usize; 2],
-        cells: [usize; 2],
-        whole: f64,
-    ) -> Option<(Candidate, Misfit)> {
-        let unknown = self.unknown?;
-        let [i0, j0] = corner.map(|c| c as isize);
-        let (i1, j1) = (i0 + cells[0] as isize, j0 + cells[1] as isize);
-        let candidate = measure(self.patch, label, turned, corner, cells, 0.0)?;
-        let rim = self.patch.rim as isize;
-        let (i0, i1, j0, j1) = (i0 + rim, i1 - rim, j0 + rim, j1 - rim);
-        let seen = self.patch.surface(i0, j0, i1, j1) + unknown.share(i0, j0, i1, j1);
-        let plane = self.relief.misfit(&[candidate]);
-        let misfit = Misfit {
-            squares: plane.squares,
-            blocks: plane.blocks,
-            cartons: 1,
-        };
-        (seen >= whole && !has_seam(self.patch, &candidate)).then_some((candidate, misfit))
     }
 }

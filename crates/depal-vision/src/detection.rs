@@ -12,7 +12,8 @@ pub struct DetectedBox {
     pub size: BoxSize,
     /// Index of that size in the settings.
     pub label: u32,
-    /// 0..1: how much of the outline was proven, and how close the measured sides are.
+    /// 0..1: how much of the outline was proven, and how close the measured sides are; of measured ones also how often
+    /// the picture shows their size.
     pub confidence: f64,
     /// 0..1: share of the top face seen as surface.
     pub visible_fraction: f64,
@@ -29,11 +30,12 @@ pub enum RejectReason {
     Tilted,
     /// Points do not lie on one plane.
     NotFlat,
-    /// No whole carton of a known size fits its outline.
+    /// No whole carton of a known size fits its outline; where no size is given, it is no rectangle that ends on all
+    /// sides, or nothing certain has the same sides.
     NoKnownSize,
     /// A carton fits the seen part, but something lies over it.
     Covered,
-    /// Several arrangements of cartons fit equally well.
+    /// Several arrangements of cartons fit equally well; where no size is given, it may be one carton or several.
     Ambiguous,
 }
 

@@ -201,7 +201,8 @@ fn fold_of_profile(profile: &[Bin; BINS], pixel: usize) -> Option<Fold> {
     // of them in one bin.
     let end = (FLAT..SIDE)
         .find(|&n| {
-            let around = &profile[n - pixel / 2..=n + pixel / 2];
+            let half = (pixel / 2).min(n);
+            let around = &profile[n - half..BINS.min(n + half + 1)];
             let count: f64 = around.iter().map(|bin| bin.count).sum();
             count < dense * around.len() as f64 || fall(&profile[n]) > DEEPEST
         })

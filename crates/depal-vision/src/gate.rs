@@ -2,13 +2,20 @@
 
 use depal_frames::{DepthFrame, Intrinsics, Point};
 
-use crate::{RegionOfInterest, VisionSettings, average::averaged, smear::sharpened};
+use crate::{
+    RegionOfInterest, VisionSettings, average::averaged, lost::mended, outliers::without_outliers,
+    scratch::Kept, smear::sharpened, widest::with_widest_vectors,
+};
 
 /// Depths beyond this are no measurement of any depth camera for cartons.
-const LARGEST_DEPTH: f32 = 60.0;
+pub(crate) const LARGEST_DEPTH: f32 = 60.0;
 
 /// Steps narrower than this are left as they are, pixels.
 pub(crate) const LEAST_SMEAR: usize = 5;
+
+/// What is measured around a lost pixel differs by no more on one surface, metres: noise, and the slope of a carton
+/// that leans.
+const LEVEL: f32 = 0.01;
 
 /// A checked depth image.
 pub struct DepthImage<'a> {
@@ -20,7 +27,7 @@ pub struct DepthImage<'a> {
     /// Grey values; empty without an intensity image of the same size.
     pub intensity: &'a [u8],
     /// 1 where the pixel is valid, in the depth range and in the region.
-    pub in_region: Vec<u8>,
+    pub in_region: Kept<u8>,
     pub window: Window,
     pub points_in_region: usize,
 }
@@ -47,9 +54,9 @@ pub fn gate<'a>(
     }
     let near = settings.min_depth.max(1e-3) as f32;
     let far = (settings.max_depth as f32).min(LARGEST_DEPTH);
-    let mut in_region = vec![0u8; pixels];
+    let mut in_region = Kept::of_any(pixels, 0u8);
     let mut odd = 0u32;
-    pulp::Arch::new().dispatch(|| {
+    with_widest_vectors(|| {
         let rows = frame.depth.chunks_exact(width);
         for (row, inside) in rows.zip(in_region.chunks_exact_mut(width)) {
             for (&z, inside) in row.iter().zip(inside) {
@@ -63,9 +70,7 @@ pub fn gate<'a>(
     });
     let smeared = settings.smear_px >= LEAST_SMEAR;
     let noisy = settings.average_px > 0;
-    let depth = if odd == 0 && !smeared && !noisy {
-        &frame.depth
-    } else {
+    if odd != 0 || smeared || noisy {
         cleaned.extend(
             frame
                 .depth
@@ -80,9 +85,27 @@ pub fn gate<'a>(
             let noise = 0.5 * settings.plane_tolerance as f32;
             *cleaned = sharpened(cleaned, width, settings.smear_px, noise.max(0.0));
         }
-        for (inside, &z) in in_region.iter_mut().zip(cleaned.iter()) {
-            *inside = u8::from(z >= near && z <= far);
+    }
+    // A camera that smears, or whose depths are averaged, has put in what it lost by chance.
+    if !smeared && !noisy {
+        let given = if odd == 0 { &frame.depth } else { &*cleaned };
+        if let Some(kept) = without_outliers(given, width, LEVEL) {
+            mark(&mut in_region, &kept, near, far);
+            *cleaned = kept;
         }
+        let given = if cleaned.is_empty() {
+            &frame.depth
+        } else {
+            &*cleaned
+        };
+        if let Some(mended) = mended(given, &in_region, width, LEVEL) {
+            *cleaned = mended;
+        }
+    }
+    let depth: &[f32] = if cleaned.is_empty() {
+        &frame.depth
+    } else {
+        mark(&mut in_region, cleaned, near, far);
         cleaned
     };
     let mut window = Window {
@@ -111,6 +134,13 @@ pub fn gate<'a>(
         window,
         points_in_region,
     })
+}
+
+/// 1 where a depth is measured and in range.
+fn mark(in_region: &mut [u8], depth: &[f32], near: f32, far: f32) {
+    for (inside, &z) in in_region.iter_mut().zip(depth) {
+        *inside = u8::from(z >= near && z <= far);
+    }
 }
 
 /// Clears what lies outside the region.
@@ -213,9 +243,16 @@ impl DepthImage<'_> {
         for v in low..high {
             let row = &self.depth[v * w + left..v * w + right];
             found.clear();
-            zeros(row, &mut found);
+            with_widest_vectors(
+                #[inline(always)]
+                || zeros(row, &mut found),
+            );
             for k in &found {
                 let i = v * w + left + k;
+                // Along a line of holes, or among them.
+                if self.in_region[i - 1] + self.in_region[i + 1] == 0 {
+                    continue;
+                }
                 let around = [i - w - 1, i - 1, i + w - 1];
                 // The hole itself is not in the region.
                 let count = around.map(|j| {
@@ -243,6 +280,7 @@ impl DepthImage<'_> {
 }
 
 /// Places of the zeros in a row, sixteen at a time: they are rare.
+#[inline(always)]
 fn zeros(row: &[f32], found: &mut Vec<usize>) {
     let (chunks, rest) = row.as_chunks::<16>();
     for (n, chunk) in chunks.iter().enumerate() {

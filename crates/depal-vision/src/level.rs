@@ -83,7 +83,7 @@ impl Level {
                 low[0] + 0.5 * cut.cell,
                 low[1] + (j as f64 + 0.5) * cut.cell,
             );
-            row.fetch(image, first, cut.frame.x * cut.cell);
+            row.fetch(image, &cut.frame, first, cut.frame.x * cut.cell);
             let here = j * columns..(j + 1) * columns;
             for (at, deeper) in here.zip(row.deeper()) {
                 let Some(deeper) = deeper else { continue };

@@ -4,12 +4,15 @@ use depal_frames::{BoxSize, Point, Pose, Vector};
 
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
+    arrange::UNEVEN,
     beyond::beyond,
     ends::surface_end,
     gate::{DepthImage, LEAST_SMEAR},
+    parted::{Parting, parting},
     patch::Patch,
     plane::{Plane, PlaneFrame},
     search::{Candidate, has_seam},
+    support::{Measured, Standing},
     verify::{Proof, verify_measured},
 };
 
@@ -21,33 +24,6 @@ const MOST_SIDE: f64 = 0.80;
 const WHOLE: f64 = 0.93;
 /// Axis and sign of each side.
 const SIDES: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
-
-/// A top that was measured.
-pub struct Measured {
-    /// Its box.
-    pub found: DetectedBox,
-    /// True when beside one of its sides something nearer stands, behind a gap or on the surface with a shadow beside
-    /// it: only a carton of the same sides that is seen whole tells that this one is.
-    pub in_question: bool,
-}
-
-impl Measured {
-    /// True when a certain one has the same sides, and no certain two side by side have them: without a gap that
-    /// shows they look like one.
-    pub fn is_confirmed_by(&self, certain: &[Self]) -> bool {
-        /// Two sides measured, each to less than two millimetres.
-        const ALIKE: f64 = 0.003;
-        let BoxSize { length, width, .. } = self.found.size;
-        let seen = |sides: [f64; 2]| {
-            let (long, short) = (sides[0].max(sides[1]), sides[0].min(sides[1]));
-            certain.iter().any(|other| {
-                let size = &other.found.size;
-                (size.length - long).abs() < ALIKE && (size.width - short).abs() < ALIKE
-            })
-        };
-        seen([length, width]) && !seen([length / 2.0, width]) && !seen([length, width / 2.0])
-    }
-}
 
 /// The one rectangle that a patch is, if it is one. The patch reaches `margin` metres beyond the surface,
 /// and its neighbours show in there.
@@ -64,9 +40,15 @@ pub fn measure_whole(
         area,
     };
     let candidate = rectangle(patch, margin).ok_or_else(|| reject(RejectReason::NoKnownSize))?;
-    if has_seam(patch, &candidate) {
-        return Err(reject(RejectReason::Ambiguous));
-    }
+    let parting = parting_of(patch, &candidate, settings);
+    let reject = |reason| {
+        // What parts it is the better reason.
+        reject(if parting == Parting::Plain {
+            RejectReason::Ambiguous
+        } else {
+            reason
+        })
+    };
     // The mask ends two pixels inside the real border.
     let extents = candidate.cells.map(|n| (n as f64 + 4.0) * patch.pitch);
     let (long, short) = (extents[0].max(extents[1]), extents[0].min(extents[1]));
@@ -86,17 +68,35 @@ pub fn measure_whole(
     if found.proven_sides < 4 || found.visible_fraction < WHOLE {
         return Err(reject(RejectReason::NoKnownSize));
     }
-    let in_question = match ending(image, &found, settings.plane_tolerance) {
-        Ending::Certain => false,
-        Ending::InQuestion => true,
-        Ending::Unknown => return Err(reject(RejectReason::NoKnownSize)),
+    let (end, blind) = ending(image, &found, settings.plane_tolerance);
+    let standing = match (end, parting) {
+        (Ending::Unknown, _) => return Err(reject(RejectReason::NoKnownSize)),
+        (_, Parting::Plain) => Standing::Parted,
+        (Ending::Certain, Parting::None) => Standing::Certain,
+        _ => Standing::InQuestion,
     };
     // A smeared step has no outermost pixel.
     if settings.smear_px < LEAST_SMEAR {
         let tolerance = sharp.min(settings.plane_tolerance);
         found = measured(image, found, tolerance, patch.pitch);
     }
-    Ok(Measured { found, in_question })
+    Ok(Measured {
+        found,
+        standing,
+        blind,
+    })
+}
+
+/// Whether a seam or a step runs through it. Where steps are smeared, heights beside them say nothing.
+fn parting_of(patch: &Patch, candidate: &Candidate, settings: &VisionSettings) -> Parting {
+    if has_seam(patch, candidate) {
+        return Parting::Plain;
+    }
+    if patch.is_smeared() {
+        return Parting::None;
+    }
+    let uneven = settings.plane_tolerance * UNEVEN;
+    parting(patch, candidate, LEAST_SIDE, uneven)
 }
 
 /// Axes on the top of a found box, X along its length.
@@ -124,14 +124,25 @@ enum Ending {
     Unknown,
 }
 
-/// How the surface ends at all four sides: whole cartons only.
-fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> Ending {
+/// Share of a side that something nearer may hide: the rest says where it is.
+const MOST_HIDDEN: f64 = 0.2;
+/// Share of a side over which something stands: single lines may err.
+const MOST_OVER: f64 = 0.03;
+
+/// True when nothing hides a side of a found box or stands over one.
+pub fn is_free(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> bool {
+    let frame = top(found);
+    let extents = [found.size.length, found.size.width];
+    SIDES.iter().all(|side| {
+        let seen = beyond(image, &frame, extents, *side, tolerance);
+        seen.hidden <= MOST_HIDDEN && seen.over <= MOST_OVER
+    })
+}
+
+/// How the surface ends at all four sides (whole cartons only), and at which of them what is nearer leaves that open.
+fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> (Ending, [bool; 4]) {
     /// Share of a side at which it must be seen to end: noise and lost pixels leave more of any true side.
     const LEAST_OPEN: f64 = 0.6;
-    /// Share of a side that something nearer may hide: the rest says where it is.
-    const MOST_HIDDEN: f64 = 0.2;
-    /// Share of a side over which something stands: single lines may err.
-    const MOST_OVER: f64 = 0.03;
     /// So many sides beneath which something lies close by are those of a sheet; at one, a lower carton may
     /// stand without a gap.
     const SHEET: usize = 2;
@@ -140,23 +151,24 @@ fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> Ending {
     let frame = top(found);
     let extents = [found.size.length, found.size.width];
     let mut thin = 0;
-    let mut in_question = false;
-    for side in SIDES {
+    let mut blind = [false; 4];
+    for (side, blind) in SIDES.into_iter().zip(&mut blind) {
         let seen = beyond(image, &frame, extents, side, tolerance);
         if seen.open + seen.narrow + seen.beside < LEAST_OPEN
             || seen.hidden > MOST_HIDDEN
             || seen.over > MOST_OVER
         {
-            return Ending::Unknown;
+            return (Ending::Unknown, [false; 4]);
         }
-        in_question |= seen.open < LEAST_OPEN || seen.beside + seen.hidden > MOST_HIDDEN;
+        *blind = seen.open < LEAST_OPEN || seen.beside + seen.hidden > MOST_HIDDEN;
         thin += usize::from(seen.thin >= MOSTLY_THIN * seen.open);
     }
-    match (thin < SHEET, in_question) {
+    let end = match (thin < SHEET, blind.contains(&true)) {
         (false, _) => Ending::Unknown,
         (true, true) => Ending::InQuestion,
         (true, false) => Ending::Certain,
-    }
+    };
+    (end, blind)
 }
 
 /// The same box with its sides where its surface ends.

@@ -29,6 +29,12 @@ impl Misfit {
         self.squares - noise * self.blocks as f64
     }
 
+    /// The same with a price on each carton, without which more and smaller cartons would always be the better reading:
+    /// each explains some noise.
+    pub fn price(&self, noise: f64) -> f64 {
+        self.beyond(noise) + OVERFIT_BLOCKS * noise * self.cartons as f64
+    }
+
     /// True when another reading of the same surface is out of the question beside this one. `whole`: all of the
     /// best reading; the larger it is, the more places there are where a wrong one may fit by chance. `lump`: blocks
     /// over which noise hangs together.

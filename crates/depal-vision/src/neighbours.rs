@@ -31,8 +31,8 @@ pub fn neighbours(
         .collect();
     let beside = |a: usize, b: usize| {
         let (p, q) = (bounds[a], bounds[b]);
-        // The mask ends two pixels inside both borders.
-        let reach = (WIDEST_TAPE / pixel_pitch(&surfaces[a].frame, intrinsics)) as usize + 4;
+        // The mask ends two pixels inside both borders, where up to two more are lost.
+        let reach = (WIDEST_TAPE / pixel_pitch(&surfaces[a].frame, intrinsics)) as usize + 8;
         let close = p[0] <= q[1] + reach
             && q[0] <= p[1] + reach
             && p[2] <= q[3] + reach

@@ -42,16 +42,19 @@ fn deviation(depth: &[f32], width: usize, lag: usize) -> Option<f64> {
     }
     let stride = (depth.len() / SAMPLES).max(1) | 1;
     let in_row = width - 2 * lag;
-    let mut bends: Vec<f32> = (0..depth.len() / width * in_row)
-        .step_by(stride)
-        .map(|n| {
-            let row = &depth[n / in_row * width..][..width];
-            let first = n % in_row;
-            [row[first], row[first + lag], row[first + 2 * lag]]
-        })
-        .filter(|w| w.iter().all(|&z| z > 0.0 && z.is_finite()))
-        .map(|w| (w[0] - 2.0 * w[1] + w[2]).abs())
-        .collect();
+    let mut bends: Vec<f32> = Vec::with_capacity(depth.len() / stride + 1);
+    // Every so many pixels, as if the rows, cut short by two lags, were one line.
+    let mut first = 0;
+    for row in depth.chunks_exact(width) {
+        let places = row[..in_row].iter().zip(&row[lag..]).zip(&row[2 * lag..]);
+        for ((&a, &b), &c) in places.skip(first).step_by(stride) {
+            if a > 0.0 && b > 0.0 && c > 0.0 && a + b + c < f32::INFINITY {
+                bends.push((a - 2.0 * b + c).abs());
+            }
+            first += stride;
+        }
+        first = first.max(in_row) - in_row;
+    }
     if bends.len() < 100 {
         return None;
     }
@@ -64,6 +67,11 @@ fn deviation(depth: &[f32], width: usize, lag: usize) -> Option<f64> {
 fn noise_of(depth: &[f32], width: usize, lags: &[usize]) -> Option<f64> {
     let sigmas = lags.iter().filter_map(|&lag| deviation(depth, width, lag));
     sigmas.reduce(f64::max)
+}
+
+/// Standard deviation of a pixel's depth by noise, metres; `None` without enough pixels.
+pub fn noise_of_pixels(depth: &[f32], width: usize) -> Option<f64> {
+    noise_of(depth, width, &LAGS)
 }
 
 /// Median of the measured depths, metres.
@@ -131,6 +139,13 @@ impl VisionSettings {
         if let Some(sigma) = sigma {
             let noise = (SIGMAS * sigma).min(MOST);
             self.step = self.step.max(noise);
+            // Where steps are sharp, what lies deeper than most of the picture is as much noisier.
+            if soft.is_empty()
+                && self.smear_px == 0
+                && let Some(z) = middle
+            {
+                self.step_noise = self.step_noise.max(noise / (z * z));
+            }
             self.plane_tolerance = self.plane_tolerance.max(noise);
             // An edge is uncertain by what depth is, seen from the rim of the image.
             self.size_tolerance = self.size_tolerance.max(0.5 * noise);

@@ -3,7 +3,7 @@
 use depal_frames::{Intrinsics, Point, Vector};
 use nalgebra::Matrix3;
 
-use crate::{DetectedBox, gate::DepthImage};
+use crate::{DetectedBox, gate::DepthImage, scratch::Kept, widest::with_widest_vectors};
 
 /// Points this close to a reported carton belong to it, metres.
 const SLACK: f64 = 0.012;
@@ -13,6 +13,8 @@ const SHIFT: f64 = 1_048_576.0;
 const BITS: u32 = 21;
 /// Samples along the side of a cube at the deepest point.
 const SAMPLES_PER_VOXEL: f64 = 3.0;
+/// So many samples are passed over at once where none is left.
+const PART: usize = 16;
 /// Cubes with fewer points are noise at a step.
 const LEAST_POINTS: u32 = 3;
 
@@ -39,32 +41,51 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
         .floor()
         .clamp(1.0, 8.0) as usize;
     let (per_metre, per_column) = (1.0 / voxel, 1.0 / k.fx);
-    // Shifted to the positive before the cut, which then is floor.
-    let cube_of = |c: f64| (c * per_metre + SHIFT).clamp(0.0, 2.0 * SHIFT - 1.0) as i64 as u64;
     // Cube and how many neighbouring samples fell into it in a row.
-    let mut cubes: Vec<(u64, u32)> = Vec::new();
-    let mut near: Vec<&Solid> = Vec::new();
+    let mut cubes: Kept<(u64, u32)> = Kept::with_capacity(1 << 16);
+    let mut row = Row::new(
+        (left..right)
+            .step_by(stride)
+            .map(|u| (u as f64 - k.cx) * per_column)
+            .collect(),
+    );
     for v in (top..bottom).step_by(stride) {
-        near.clear();
-        near.extend(
-            solids
-                .iter()
-                .filter(|s| s.rows[0] <= v as f64 && v as f64 <= s.rows[1]),
-        );
         let y = (v as f64 - k.cy) / k.fy;
-        for u in (left..right).step_by(stride) {
-            let i = v * image.width + u;
-            if image.in_region[i] == 0 {
+        let pixels = v * image.width + left..v * image.width + right;
+        let depth = image.depth[pixels.clone()].iter().step_by(stride);
+        let in_region = image.in_region[pixels].iter().step_by(stride);
+        for ((z, open), (&depth, &in_region)) in row
+            .z
+            .iter_mut()
+            .zip(&mut row.open)
+            .zip(depth.zip(in_region))
+        {
+            (*z, *open) = (f64::from(depth), in_region);
+        }
+        for solid in &solids {
+            if solid.rows[0] <= v as f64 && v as f64 <= solid.rows[1] {
+                // The first sample not before a column.
+                let from = |column: f64| {
+                    let samples = ((column - left as f64) / stride as f64).ceil();
+                    samples.clamp(0.0, row.x.len() as f64) as usize
+                };
+                let (first, end) = (from(solid.columns[0]), from(solid.columns[1] + 1.0));
+                with_widest_vectors(
+                    #[inline(always)]
+                    || row.explain(first..end.max(first), y, solid),
+                );
+            }
+        }
+        with_widest_vectors(
+            #[inline(always)]
+            || row.place(y, per_metre),
+        );
+        for (part, open) in row.cube.chunks(PART).zip(row.open.chunks(PART)) {
+            // Most of a picture is explained.
+            if open.iter().fold(0, |any, open| any | open) == 0 {
                 continue;
             }
-            let z = f64::from(image.depth[i]);
-            let p = Point::new((u as f64 - k.cx) * per_column * z, y * z, z);
-            let column = u as f64;
-            let explained = near
-                .iter()
-                .any(|s| s.columns[0] <= column && column <= s.columns[1] && s.holds(&p));
-            if !explained {
-                let cube = (cube_of(p.z) << (2 * BITS)) | (cube_of(p.y) << BITS) | cube_of(p.x);
+            for (&cube, _) in part.iter().zip(open).filter(|(_, open)| **open == 1) {
                 match cubes.last_mut() {
                     Some((last, count)) if *last == cube => *count += 1,
                     _ => cubes.push((cube, 1)),
@@ -72,19 +93,111 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
             }
         }
     }
-    cubes.sort_unstable();
-    cubes
-        .chunk_by(|a, b| a.0 == b.0)
-        .filter(|group| group.iter().map(|g| g.1).sum::<u32>() >= LEAST_POINTS)
-        .map(|group| {
-            let cube = group[0].0;
-            let [z, y, x] = [2 * BITS, BITS, 0].map(|bits| {
-                let index = (cube >> bits) & ((1 << BITS) - 1);
-                (index as f64 - SHIFT + 0.5) * voxel
-            });
-            Point::new(x, y, z)
-        })
-        .collect()
+    let mut points = Vec::new();
+    crowded(&mut cubes, |at| {
+        let [z, y, x] = at.map(|index| (index as f64 - SHIFT + 0.5) * voxel);
+        points.push(Point::new(x, y, z));
+    });
+    points
+}
+
+/// Samples of one row of the image.
+struct Row {
+    /// X of the ray with Z = 1, of every row the same, and depth, metres.
+    x: Vec<f64>,
+    z: Vec<f64>,
+    /// 1 where it is in the region and not explained.
+    open: Vec<u8>,
+    /// The cube that it lies in.
+    cube: Vec<u64>,
+}
+
+/// Floor of a number of 0..2^51, by pushing its fraction out of the mantissa: casts are made one by one.
+#[inline(always)]
+fn whole(x: f64) -> u64 {
+    const SHIFT: f64 = 4_503_599_627_370_496.0; // 2^52
+    let rounded = x + SHIFT;
+    let bits = rounded.to_bits() & ((1 << 52) - 1);
+    bits - u64::from(rounded - SHIFT > x)
+}
+
+impl Row {
+    fn new(x: Vec<f64>) -> Self {
+        Self {
+            z: vec![0.0; x.len()],
+            open: vec![0; x.len()],
+            cube: vec![0; x.len()],
+            x,
+        }
+    }
+
+    /// Says in which cube each sample lies; `y` of the rays with Z = 1.
+    #[inline(always)]
+    fn place(&mut self, y: f64, per_metre: f64) {
+        // Shifted to the positive before the cut, which then is floor.
+        let cube_of = |c: f64| whole((c * per_metre + SHIFT).clamp(0.0, 2.0 * SHIFT - 1.0));
+        for (cube, (&x, &z)) in self.cube.iter_mut().zip(self.x.iter().zip(&self.z)) {
+            let [x, y, z] = [x * z, y * z, z].map(cube_of);
+            *cube = (z << (2 * BITS)) | (y << BITS) | x;
+        }
+    }
+
+    /// Takes out what belongs to a carton; `y` of the rays with Z = 1.
+    #[inline(always)]
+    fn explain(&mut self, samples: std::ops::Range<usize>, y: f64, solid: &Solid) {
+        let places = self.x[samples.clone()].iter().zip(&self.z[samples.clone()]);
+        for (open, (&x, &z)) in self.open[samples].iter_mut().zip(places) {
+            *open &= u8::from(!solid.holds(&Point::new(x * z, y * z, z)));
+        }
+    }
+}
+
+/// Calls `found` with the indices (z, y, x) of each cube that has enough points, in order.
+fn crowded(cubes: &mut [(u64, u32)], mut found: impl FnMut([u64; 3])) {
+    /// Counted in a table up to that size, which is many times what a picture of a pallet spans.
+    const LARGEST_TABLE: u64 = 1 << 23;
+    let of = |cube: u64| [2 * BITS, BITS, 0].map(|bits| (cube >> bits) & ((1 << BITS) - 1));
+    let (mut low, mut high) = ([u64::MAX; 3], [0; 3]);
+    for (cube, _) in cubes.iter() {
+        for (k, index) in of(*cube).into_iter().enumerate() {
+            low[k] = low[k].min(index);
+            high[k] = high[k].max(index);
+        }
+    }
+    if cubes.is_empty() {
+        return;
+    }
+    let size = [0, 1, 2].map(|k| high[k] - low[k] + 1);
+    let cells = size[0].saturating_mul(size[1]).saturating_mul(size[2]);
+    if cells > LARGEST_TABLE {
+        cubes.sort_unstable();
+        for group in cubes.chunk_by(|a, b| a.0 == b.0) {
+            if group.iter().map(|g| g.1).sum::<u32>() >= LEAST_POINTS {
+                found(of(group[0].0));
+            }
+        }
+        return;
+    }
+    let mut counts = Kept::of(cells as usize, 0u8);
+    for (cube, count) in cubes.iter() {
+        let [z, y, x] = of(*cube);
+        let place = ((z - low[0]) * size[1] + y - low[1]) * size[2] + x - low[2];
+        let here = &mut counts[place as usize];
+        *here = here.saturating_add((*count).min(LEAST_POINTS) as u8);
+    }
+    for (n, line) in counts.chunks(size[2] as usize).enumerate() {
+        let (z, y) = (n as u64 / size[1], n as u64 % size[1]);
+        // Most lines are empty.
+        if line.iter().fold(0, |any, count| any | count) == 0 {
+            continue;
+        }
+        for (x, _) in (0..)
+            .zip(line)
+            .filter(|(_, c)| u32::from(**c) >= LEAST_POINTS)
+        {
+            found([z + low[0], y + low[1], x + low[2]]);
+        }
+    }
 }
 
 /// A reported carton with its slack.
@@ -129,11 +242,13 @@ impl Solid {
         solid
     }
 
+    #[inline(always)]
     fn holds(&self, point_in_camera: &Point) -> bool {
         let p = self.turn * point_in_camera.coords + self.shift;
-        p.z < SLACK
-            && p.z > self.bottom
-            && p.x.abs() < self.half_length
-            && p.y.abs() < self.half_width
+        // Without a jump: most are far from all borders, but which ones is not foreseen.
+        (p.z < SLACK)
+            & (p.z > self.bottom)
+            & (p.x.abs() < self.half_length)
+            & (p.y.abs() < self.half_width)
     }
 }

@@ -4,6 +4,8 @@ use crate::{
     components::{Component, each_zero},
     gate::DepthImage,
     plane::PlaneFrame,
+    resample::int,
+    widest::with_widest_vectors,
 };
 
 /// Enough outline points for a sharp profile.
@@ -19,7 +21,6 @@ pub fn outline(
 ) -> Vec<(f64, f64)> {
     let (w, h) = (image.width, image.height);
     let mut pixels: Vec<(u32, u32)> = Vec::with_capacity(4 * component.runs.len());
-    let mut upper = Vec::new();
     for run in &component.runs {
         let row = run.row as u32;
         pixels.push((run.first as u32, row));
@@ -31,15 +32,13 @@ pub fn outline(
             pixels.extend(inner.map(|u| (u as u32, row)));
         } else {
             let at = run.row * w;
-            upper.clear();
-            each_zero(&mask[at - w + inner.start..at - w + inner.end], |k| {
-                upper.push(k);
+            let above = &mask[at - w + inner.start..at - w + inner.end];
+            let below = &mask[at + w + inner.start..at + w + inner.end];
+            each_zero(above, None, |k| {
+                pixels.push(((inner.start + k) as u32, row));
             });
-            pixels.extend(upper.iter().map(|k| ((inner.start + k) as u32, row)));
-            each_zero(&mask[at + w + inner.start..at + w + inner.end], |k| {
-                if upper.binary_search(&k).is_err() {
-                    pixels.push(((inner.start + k) as u32, row));
-                }
+            each_zero(below, Some(above), |k| {
+                pixels.push(((inner.start + k) as u32, row));
             });
         }
         pixels.push((run.last as u32, row));
@@ -47,15 +46,21 @@ pub fn outline(
     let stride = pixels.len().div_ceil(POINTS).max(1);
     let mut thinned: Vec<(u32, u32)> = pixels.iter().copied().step_by(stride).collect();
     // What reaches farthest along the image's axes and diagonals bounds the surface.
-    let reach: [fn(&(u32, u32)) -> i64; 4] = [
-        |p| i64::from(p.0),
-        |p| i64::from(p.1),
-        |p| i64::from(p.0) + i64::from(p.1),
-        |p| i64::from(p.0) - i64::from(p.1),
-    ];
-    for along in reach {
-        thinned.extend(pixels.iter().max_by_key(|p| along(p)));
-        thinned.extend(pixels.iter().min_by_key(|p| along(p)));
+    let along = |p: &(u32, u32)| {
+        let (u, v) = (p.0 as i32, p.1 as i32);
+        [u, v, u + v, u - v]
+    };
+    let (mut most, mut least) = ([i32::MIN; 4], [i32::MAX; 4]);
+    for p in &pixels {
+        let reach = along(p);
+        for k in 0..4 {
+            most[k] = most[k].max(reach[k]);
+            least[k] = least[k].min(reach[k]);
+        }
+    }
+    for k in 0..4 {
+        thinned.extend(pixels.iter().rfind(|p| along(p)[k] == most[k]));
+        thinned.extend(pixels.iter().find(|p| along(p)[k] == least[k]));
     }
     thinned
         .iter()
@@ -80,19 +85,29 @@ fn best(outline: &[(f32, f32)], bin: f64, middle: f64, step: f64, reach: i32) ->
     let radius = outline.iter().fold(0.0f32, |r, p| r.max(p.0.hypot(p.1)));
     let half = (f64::from(radius) / bin).ceil().min(20_000.0) as usize + 2;
     let mut bins = vec![0u16; 4 * half];
+    let mut places = vec![[0u32; 2]; outline.len()];
     let (first, second) = (half as f32, 3.0 * half as f32);
-    let last = 4 * half - 1;
+    let last = (4 * half - 1) as f32;
     let mut winner = (0u64, middle);
     for k in -reach..=reach {
         let yaw = middle + f64::from(k) * step;
         let (s, c) = ((yaw.sin() / bin) as f32, (yaw.cos() / bin) as f32);
         bins.fill(0);
-        for &(x, y) in outline {
-            // Shifted to the positive, where cutting off is floor.
-            let along = (x * c + y * s + first) as i32 as usize;
-            let across = (y * c - x * s + second) as i32 as usize;
-            bins[along.min(last)] += 1;
-            bins[across.min(last)] += 1;
+        // First where, then what: the processor does several of the former at once.
+        with_widest_vectors(
+            #[inline(always)]
+            || {
+                for (&(x, y), place) in outline.iter().zip(&mut places) {
+                    // Shifted to the positive, where cutting off is floor.
+                    let along = x * c + y * s + first;
+                    let across = y * c - x * s + second;
+                    *place = [along, across].map(|at| int(at.max(0.0).min(last)) as u32);
+                }
+            },
+        );
+        for &[along, across] in &places {
+            bins[along as usize] += 1;
+            bins[across as usize] += 1;
         }
         let score = bins
             .iter()

@@ -4,6 +4,7 @@ use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
     arrange::UNEVEN,
     breaks::Breaks,
+    doubles::is_doubtful,
     gate::DepthImage,
     patch::Patch,
     relief::Relief,
@@ -36,7 +37,12 @@ pub fn outlined(
             candidate.turned,
             Proof::Outline,
         ) {
-            Ok(found) if !breaks.as_ref().is_some_and(|b| b.refute(patch, &candidate)) => {
+            Ok(found)
+                if !breaks.as_ref().is_some_and(|b| {
+                    let doubtful = is_doubtful(image, settings, &found);
+                    b.refute(patch, &candidate, doubtful)
+                }) =>
+            {
                 boxes.push(found);
                 fixed.push(candidate);
             }

@@ -4,7 +4,14 @@
 use depal_frames::Intrinsics;
 
 use crate::{
-    blank::Blank, gate::DepthImage, plane::PlaneFrame, resample::ResampledRow, search::left_out,
+    blank::Blank,
+    edge_sums::{AROUND, EdgeSums, FULL, row_and_next, sums_along},
+    gate::DepthImage,
+    plane::PlaneFrame,
+    resample::ResampledRow,
+    scratch::Kept,
+    search::left_out,
+    widest::with_widest_vectors,
 };
 
 /// Side of a block whose heights are averaged, cells.
@@ -32,13 +39,13 @@ pub struct Patch {
     /// Depths were averaged: their noise is more than the heights by which cartons differ.
     pub averaged: bool,
     /// Surface cells of all cells below and left.
-    area: Vec<u32>,
+    area: Kept<u32>,
     /// Deep cells of all cells below and left, in squares of [`COARSE`] cells.
-    deep: Vec<u32>,
+    deep: Kept<u32>,
     /// Edge weight of vertical lines, summed over the rows below; wraps around.
-    vertical: Vec<u16>,
+    vertical: Kept<u16>,
     /// Edge weight of horizontal lines, summed over the columns to the left; wraps around.
-    horizontal: Vec<u16>,
+    horizontal: Kept<u16>,
     /// What was left out.
     pub blanks: Vec<Blank>,
     /// For each whole block, row by row: sum of the heights over the plane (metres) of its surface cells.
@@ -58,27 +65,6 @@ pub struct Grid {
     pub soft_px: usize,
     /// It was averaged.
     pub averaged: bool,
-}
-
-/// Weight of an edge cell that lies exactly on the line; one cell beside it counts 3, two count 1.
-const FULL: u16 = 4;
-
-/// Weight of five cells across a line, the middle one on it.
-#[inline(always)]
-fn weight(cells: [u8; 5]) -> u8 {
-    let full = cells[2] * FULL as u8;
-    let near = (cells[1] | cells[3]) * 3;
-    full.max(near).max(cells[0] | cells[4])
-}
-
-/// Weights of a line of cells; five rows of edge cells lie across it.
-#[inline(always)]
-fn weigh(edge: [&[u8]; 5], weights: &mut [u8]) {
-    let count = weights.len();
-    let edge = edge.map(|row| &row[..count]);
-    for (i, w) in weights.iter_mut().enumerate() {
-        *w = weight([edge[0][i], edge[1][i], edge[2][i], edge[3][i], edge[4][i]]);
-    }
 }
 
 /// Side of the square on the plane that one pixel sees.
@@ -127,18 +113,15 @@ impl Patch {
         } = *grid;
         let columns = ((x[1] - x[0]) / pitch).ceil().max(1.0) as usize;
         let rows = ((y[1] - y[0]) / pitch).ceil().max(1.0) as usize;
-        // Two cells of margin all round.
-        let stride = columns + 4;
-        let mut edge = vec![0u8; stride * (rows + 4)];
+        let mut edges = EdgeSums::new(columns, rows);
         let mut row = ResampledRow::new(columns);
         // Sums so far, one row; every array is written once, row after row.
-        let mut area_row = vec![0u32; columns + 1];
-        let mut area = Vec::with_capacity((columns + 1) * (rows + 1));
-        area.extend_from_slice(&area_row);
+        let mut area = Kept::of_any((columns + 1) * (rows + 1), 0u32);
+        area[..=columns].fill(0);
         let coarse = columns / COARSE;
         let mut deep_cells = vec![0u8; columns];
         let mut deep_row = vec![0u32; coarse + 1];
-        let mut deep = Vec::with_capacity((coarse + 1) * (rows / COARSE + 1));
+        let mut deep = Kept::with_capacity((coarse + 1) * (rows / COARSE + 1));
         deep.extend_from_slice(&deep_row);
         let (block_columns, block_rows) = (columns / BLOCK, rows / BLOCK);
         let mut heights = Vec::with_capacity(block_columns * block_rows);
@@ -146,18 +129,20 @@ impl Patch {
         for j in 0..rows {
             let along = y[0] + (j as f64 + 0.5) * pitch;
             let first = frame.point(x[0] + 0.5 * pitch, along);
-            row.fetch(image, first, frame.x * pitch);
-            let edge = &mut edge[(j + 2) * stride + 2..(j + 2) * stride + 2 + columns];
+            row.fetch(image, &frame, first, frame.x * pitch);
+            let edge = edges.row(j);
             row.classify(tolerance as f32, edge);
             for blank in blanks {
                 row.blank(blank.cells(along, x[0], pitch, columns), edge);
             }
-            let mut sum = 0u32;
-            for (&on, total) in row.on.iter().zip(&mut area_row[1..]) {
-                sum += u32::from(on);
-                *total += sum;
+            if let Some(done) = j.checked_sub(AROUND) {
+                edges.sum(done);
             }
-            area.extend_from_slice(&area_row);
+            let (before, next) = row_and_next(&mut area, j, columns + 1);
+            next[0] = 0;
+            sums_along(&row.on, &before[1..], &mut next[1..], |sum, before| {
+                before + sum
+            });
             for (count, &deep) in deep_cells.iter_mut().zip(&row.deep) {
                 *count += deep;
             }
@@ -180,31 +165,11 @@ impl Patch {
                 height_cells.fill(0.0);
             }
         }
-        let mut vertical_row = vec![0u16; columns];
-        let mut vertical = Vec::with_capacity(columns * (rows + 1));
-        vertical.extend_from_slice(&vertical_row);
-        let mut horizontal_row = vec![0u16; columns + 1];
-        let mut horizontal = Vec::with_capacity((columns + 1) * rows);
-        let mut weights = vec![0u8; columns];
-        for j in 0..rows {
-            let here = &edge[(j + 2) * stride..(j + 3) * stride];
-            let across: [&[u8]; 5] = std::array::from_fn(|k| &here[k..k + columns]);
-            weigh(across, &mut weights);
-            for (sum, &w) in vertical_row.iter_mut().zip(&weights) {
-                *sum = sum.wrapping_add(u16::from(w));
+        for j in rows..rows + AROUND {
+            edges.row(j).fill(0);
+            if let Some(done) = j.checked_sub(AROUND) {
+                edges.sum(done);
             }
-            vertical.extend_from_slice(&vertical_row);
-            // Five rows of the margin image around row j.
-            let around: [&[u8]; 5] = std::array::from_fn(|k| {
-                &edge[(j + k) * stride + 2..(j + k) * stride + 2 + columns]
-            });
-            weigh(around, &mut weights);
-            let mut sum = 0u16;
-            for (out, &w) in horizontal_row[1..].iter_mut().zip(&weights) {
-                sum = sum.wrapping_add(u16::from(w));
-                *out = sum;
-            }
-            horizontal.extend_from_slice(&horizontal_row);
         }
         Self {
             frame,
@@ -218,8 +183,8 @@ impl Patch {
             averaged,
             area,
             deep,
-            vertical,
-            horizontal,
+            vertical: edges.vertical,
+            horizontal: edges.horizontal,
             blanks: blanks.to_vec(),
             heights,
         }
@@ -284,6 +249,14 @@ impl Patch {
     /// For rectangles of `cells` whose first row is `j` and whose first column is the place in the list:
     /// how many of their four sides show at least `share` of edge.
     pub fn seen_sides(&self, j: usize, cells: [usize; 2], share: f64, seen: &mut Vec<u8>) {
+        with_widest_vectors(
+            #[inline(always)]
+            || self.count_seen_sides(j, cells, share, seen),
+        );
+    }
+
+    #[inline(always)]
+    fn count_seen_sides(&self, j: usize, cells: [usize; 2], share: f64, seen: &mut Vec<u8>) {
         let [a, b] = cells;
         seen.clear();
         if a > self.columns || j + b > self.rows {
@@ -292,27 +265,41 @@ impl Patch {
         let places = self.columns - a + 1;
         seen.resize(places, 0);
         let least = |length: usize| (share * f64::from(FULL) * length as f64).ceil() as u16;
-        // Upright sides: all columns between two rows; the outer ones lie beyond the patch at its ends.
-        let (low, high) = (j + left_out(b), j + b - left_out(b));
-        let enough = least(high - low);
-        let row = |j: usize| &self.vertical[j * self.columns..(j + 1) * self.columns];
-        let (below, above) = (row(low), row(high));
-        let shows = |i: usize| u8::from(above[i].wrapping_sub(below[i]) >= enough);
-        for (i, seen) in seen[1..].iter_mut().enumerate() {
-            *seen = shows(i);
+        let shows =
+            |sums: [u16; 2], enough: u16| u16::from(sums[1].wrapping_sub(sums[0]) >= enough.max(1));
+        // Upright sides: all columns between two rows.
+        let rows = [j + left_out(b), j + b - left_out(b)];
+        let upright = least(rows[1] - rows[0]);
+        let sums = rows.map(|j| &self.vertical[j * self.columns..(j + 1) * self.columns]);
+        // Those along a row; beyond the patch there is none.
+        let along = least(a - 2 * left_out(a));
+        let lines = [j.checked_sub(1), (j + b < self.rows).then_some(j + b)].map(|line| {
+            let (row, cut) = line.map_or((0, [0, 0]), |row| (row, [left_out(a), a - left_out(a)]));
+            let row = &self.horizontal[row * (self.columns + 1)..(row + 1) * (self.columns + 1)];
+            cut.map(|cut| &row[cut..][..places])
+        });
+        let of_lines = |i: usize| {
+            shows(lines[0].map(|sums| sums[i]), along) + shows(lines[1].map(|sums| sums[i]), along)
+        };
+        let of_column = |i: usize| shows(sums.map(|sums| sums[i]), upright);
+        let last = places - 1;
+        if last == 0 {
+            seen[0] = of_lines(0) as u8;
+            return;
         }
-        for (i, seen) in seen[..places - 1].iter_mut().enumerate() {
-            *seen += shows(i + a);
-        }
-        let enough = least(a - 2 * left_out(a));
-        for line in [j.checked_sub(1), (j + b < self.rows).then_some(j + b)] {
-            let Some(line) = line else { continue };
-            let line = &self.horizontal[line * (self.columns + 1)..(line + 1) * (self.columns + 1)];
-            let starts = &line[left_out(a)..][..places];
-            let ends = &line[a - left_out(a)..][..places];
-            for (seen, (start, end)) in seen.iter_mut().zip(starts.iter().zip(ends)) {
-                *seen += u8::from(end.wrapping_sub(*start) >= enough);
-            }
+        // The outer ones lie beyond the patch at its ends.
+        seen[0] = (of_column(a) + of_lines(0)) as u8;
+        seen[last] = (of_column(last - 1) + of_lines(last)) as u8;
+        let inner = last - 1;
+        let left = sums.map(|sums| &sums[..inner]);
+        let right = sums.map(|sums| &sums[a + 1..][..inner]);
+        let [below, above] = lines.map(|line| line.map(|sums| &sums[1..=inner]));
+        for (k, seen) in seen[1..last].iter_mut().enumerate() {
+            let sides = shows([left[0][k], left[1][k]], upright)
+                + shows([right[0][k], right[1][k]], upright)
+                + shows([below[0][k], below[1][k]], along)
+                + shows([above[0][k], above[1][k]], along);
+            *seen = sides as u8;
         }
     }
 

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::{
     patch::{BLOCK, Patch},
+    scratch::Kept,
     search::Candidate,
 };
 
@@ -19,7 +20,7 @@ pub struct Relief {
     /// `None` where little of the block is surface.
     heights: Vec<Option<f32>>,
     /// Sums over all blocks below and left.
-    sums: Vec<Sums>,
+    sums: Kept<Sums>,
 }
 
 /// How badly one plane explains the heights of some blocks.
@@ -35,7 +36,7 @@ impl Relief {
     pub fn new(patch: &Patch) -> Self {
         let (columns, rows) = (patch.columns / BLOCK, patch.rows / BLOCK);
         let heights = heights_of(patch);
-        let mut sums = vec![[0.0; 10]; (columns + 1) * (rows + 1)];
+        let mut sums = Kept::of((columns + 1) * (rows + 1), [0.0; 10]);
         for j in 0..rows {
             let mut row = [0.0; 10];
             for i in 0..columns {
@@ -103,15 +104,21 @@ impl Relief {
                 *sum += more;
             }
         }
-        let [count, .., squares] = sums;
-        let Some(plane) = plane_of(&sums) else {
-            return PlaneMisfit::default();
-        };
-        let explained = plane[0] * sums[6] + plane[1] * sums[7] + plane[2] * sums[8];
-        PlaneMisfit {
-            squares: (squares - explained).max(0.0),
-            blocks: count as usize,
-        }
+        misfit_of(&sums)
+    }
+
+    /// How badly one plane explains the heights of some columns and rows of blocks.
+    pub fn misfit_within(&self, i: Range<usize>, j: Range<usize>) -> PlaneMisfit {
+        misfit_of(&self.sums_within(&i, &j))
+    }
+
+    /// By how much less two planes, one for each of two rectangles of blocks, miss their heights than one plane for
+    /// both does, square metres.
+    pub fn gain_by_parting(&self, a: &[Range<usize>; 2], b: &[Range<usize>; 2]) -> f64 {
+        let [a, b] = [a, b].map(|r| self.sums_within(&r[0], &r[1]));
+        let both: Sums = std::array::from_fn(|k| a[k] + b[k]);
+        let [both, a, b] = [both, a, b].map(|sums| misfit_of(&sums).squares);
+        both - a - b
     }
 
     /// The plane through the heights of some columns and rows of blocks; `None` of too few.
@@ -123,9 +130,14 @@ impl Relief {
         })
     }
 
+    /// How many of some blocks are surface.
+    pub fn filled(&self, i: &Range<usize>, j: &Range<usize>) -> usize {
+        self.sums_within(i, j)[0] as usize
+    }
+
     /// True when all of some blocks are surface.
     pub fn is_full(&self, i: Range<usize>, j: Range<usize>) -> bool {
-        self.sums_within(&i, &j)[0] as usize == i.len() * j.len()
+        self.filled(&i, &j) == i.len() * j.len()
     }
 
     /// Squared distance of each block within a candidate from the candidate's plane, square metres: (place in a
@@ -179,6 +191,18 @@ fn plane_of(sums: &Sums) -> Option<Vector3<f64>> {
     }
     let factor = normal_of(sums).cholesky()?;
     Some(factor.solve(&Vector3::new(h, xh, yh)))
+}
+
+fn misfit_of(sums: &Sums) -> PlaneMisfit {
+    let &[count, .., squares] = sums;
+    let Some(plane) = plane_of(sums) else {
+        return PlaneMisfit::default();
+    };
+    let explained = plane[0] * sums[6] + plane[1] * sums[7] + plane[2] * sums[8];
+    PlaneMisfit {
+        squares: (squares - explained).max(0.0),
+        blocks: count as usize,
+    }
 }
 
 /// Mean height of each block over the patch's plane, metres; `None` where little of it is surface.

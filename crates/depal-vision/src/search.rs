@@ -109,7 +109,6 @@ pub fn measure(
     if i1 > patch.columns || j1 > patch.rows {
         return None;
     }
-    let sides = [0, 1, 2, 3].map(|side| side_edge(patch, first, cells, side, 0));
     let rim = patch.rim as isize;
     let (left, right) = (i0 as isize + rim, i1 as isize - rim);
     let (low, high) = (j0 as isize + rim, j1 as isize - rim);
@@ -131,6 +130,7 @@ pub fn measure(
         patch.surface(left, low, right, low + 2),
         patch.surface(left, high - 2, right, high),
     ];
+    let sides = [0, 1, 2, 3].map(|side| side_edge(patch, first, cells, side, 0));
     let score = sides.iter().zip(inner).map(|(e, s)| e * s).sum::<f64>() + 0.1 * on;
     Some(Candidate {
         label,
@@ -204,6 +204,9 @@ pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candida
     /// Share of a candidate that may lie in a blank: what was cut out hides nothing.
     const MOST_BLANK: f64 = 0.08;
     const STRIDE: usize = 2;
+    const LEAST_SIDES: u8 = 3;
+    /// So many places are passed over at once; a multiple of the stride.
+    const PART: usize = 32;
     const MOST: usize = 20_000;
     let mut found: Vec<Candidate> = Vec::new();
     let mut seen = Vec::new();
@@ -218,18 +221,25 @@ pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candida
             }
             for j in (0..=patch.rows - cells[1]).step_by(STRIDE) {
                 patch.seen_sides(j, cells, SEEN * 0.75, &mut seen);
-                for i in (0..seen.len()).step_by(STRIDE) {
-                    if seen[i] < 3 {
+                for (n, part) in seen.chunks(PART).enumerate() {
+                    // There are few.
+                    if part.iter().fold(0, |most, &sides| sides.max(most)) < LEAST_SIDES {
                         continue;
                     }
-                    found.extend(measure(
-                        patch,
-                        label as u32,
-                        turned,
-                        [i, j],
-                        cells,
-                        min_visible,
-                    ));
+                    for (k, _) in (0..)
+                        .zip(part)
+                        .step_by(STRIDE)
+                        .filter(|(_, sides)| **sides >= LEAST_SIDES)
+                    {
+                        found.extend(measure(
+                            patch,
+                            label as u32,
+                            turned,
+                            [PART * n + k, j],
+                            cells,
+                            min_visible,
+                        ));
+                    }
                 }
             }
         }

@@ -36,6 +36,9 @@ pub struct VisionSettings {
     /// 4 mm: six standard deviations of a structured-light camera at 3 m, and less than the depth
     /// seen inside the narrowest gap. Larger values merge cartons, smaller ones tear tilted tops.
     pub step: f64,
+    /// Lower steps are noise, metres at a depth of one metre; it goes with the square of depth, as the noise of
+    /// triangulation does: several of its deviations. Without it a floor far below the cartons is torn to pieces.
+    pub step_noise: f64,
     /// Distance from a fitted plane up to which a point lies on it.
     /// 4 mm for the same reason; it must also swallow the unevenness of cardboard.
     pub plane_tolerance: f64,
@@ -71,6 +74,7 @@ impl VisionSettings {
             max_depth: 6.0,
             region: None,
             step: 0.004,
+            step_noise: 0.0,
             plane_tolerance: 0.004,
             size_tolerance: 0.004,
             max_tilt: 40f64.to_radians(),

@@ -1,21 +1,11 @@
 //! Stage 8: the exact rectangle, from where scan lines across each side leave the surface.
 
-use depal_frames::Intrinsics;
-
-use crate::{gate::DepthImage, patch::pixel_pitch, plane::PlaneFrame};
-
-/// Where a scan line across a side left the surface.
-#[derive(Debug, Clone, Copy)]
-struct Crossing {
-    /// Position along the side, metres from its middle.
-    along: f64,
-    /// Beyond (+) or short of (-) the expected side, metres.
-    beyond: f64,
-    /// Something taller stands behind what was not measured there: its shadow, perhaps no edge at all.
-    shadowed: bool,
-    /// Something deeper was measured close behind it.
-    lit: bool,
-}
+use crate::{
+    gate::DepthImage,
+    patch::pixel_pitch,
+    plane::PlaneFrame,
+    scan::{ScanLines, scan},
+};
 
 /// What was measured at one side.
 #[derive(Debug, Clone, Copy, Default)]
@@ -187,142 +177,6 @@ pub fn edge_inside(
     let mut beyond: Vec<f64> = found.crossings.iter().map(|c| c.beyond).collect();
     let middle = beyond.len() / 2;
     Some(*beyond.select_nth_unstable_by(middle, f64::total_cmp).1)
-}
-
-struct ScanLines {
-    crossings: Vec<Crossing>,
-    lines: usize,
-    shadowed: bool,
-}
-
-impl ScanLines {
-    /// Crossings into the shadow of something taller only count where there is next to nothing else.
-    fn new(mut crossings: Vec<Crossing>, lines: usize, least_seen: f64) -> Self {
-        let clear = crossings.iter().filter(|c| !c.shadowed).count();
-        let enough = clear as f64 >= least_seen * lines as f64;
-        if enough {
-            crossings.retain(|c| !c.shadowed);
-        }
-        let shadowed = !enough && 2 * clear < crossings.len();
-        Self {
-            crossings,
-            lines,
-            shadowed,
-        }
-    }
-}
-
-/// Something this much nearer than a plane throws a shadow that matters, metres.
-const TALLER: f32 = 0.010;
-/// What is seen within so many pixels beyond an edge belongs to its step.
-const LIT_WITHIN: i32 = 3;
-/// The longest shadow that is followed, pixels.
-const LONGEST_SHADOW: i32 = 80;
-
-fn scan(
-    image: &DepthImage,
-    frame: &PlaneFrame,
-    extents: [f64; 2],
-    axis: usize,
-    sign: f64,
-    reach: f64,
-    stride: f64,
-    tolerance: f64,
-    least_seen: f64,
-) -> ScanLines {
-    let k: &Intrinsics = &image.intrinsics;
-    let (outward, tangent) = if axis == 0 {
-        (frame.x * sign, frame.y * sign)
-    } else {
-        (frame.y * sign, frame.x * -sign)
-    };
-    let (half, length) = (extents[axis] / 2.0, extents[1 - axis] * 0.94);
-    let lines = (length / stride).floor().max(1.0) as usize;
-    let mut crossings = Vec::with_capacity(lines);
-    let (width, height) = (image.width as f32, image.height as f32);
-    let tolerance = tolerance as f32;
-    for line in 0..lines {
-        let along = (line as f64 + 0.5) / lines as f64 * length - length / 2.0;
-        let base = frame.origin + tangent * along;
-        let ends = [half - reach, half + reach].map(|at| base + outward * at);
-        let [(u0, v0), (u1, v1)] = ends.map(|p| k.project(&p));
-        // From pixel to pixel along the longer axis; so short a line is straight in depth, too.
-        let count = f64::from((u1 - u0).abs().max((v1 - v0).abs()).min(1e4) as i32 + 1);
-        let per = 1.0 / count;
-        let (du, dv) = (((u1 - u0) * per) as f32, ((v1 - v0) * per) as f32);
-        let dz = ((ends[1].z - ends[0].z) * per) as f32;
-        // Half a pixel added: cutting off rounds to the nearest.
-        let (u0, v0, z0) = ((u0 + 0.5) as f32, (v0 + 0.5) as f32, ends[0].z as f32);
-        let mut last: Option<(i32, i32)> = None;
-        for step in 0..=count as i32 {
-            let s = step as f32;
-            let (u, v, expected) = (u0 + du * s, v0 + dv * s, z0 + dz * s);
-            // Also refuses NaN.
-            let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
-            if !inside {
-                break;
-            }
-            let (u, v) = (u as i32, v as i32);
-            let z = image.depth[v as usize * image.width + u as usize];
-            if z != 0.0 && (z - expected).abs() <= tolerance {
-                last = Some((u, v));
-                continue;
-            }
-            if let Some(inner) = last
-                && (z == 0.0 || z > expected)
-            {
-                // Half way between the centres of the last surface pixel and this one.
-                // Lone pixels are lost at any step: what counts is the first one that was measured.
-                let (shadowed, lit) = if z == 0.0 {
-                    match first_measured(image, (u0, v0, z0), (du, dv, dz), step + 1) {
-                        Some((at, z, expected)) => (
-                            z < expected - tolerance.max(TALLER),
-                            at < step + LIT_WITHIN && z > expected + tolerance,
-                        ),
-                        None => (false, false),
-                    }
-                } else {
-                    // Not on the surface, and not above it.
-                    (false, true)
-                };
-                let middle = |a: i32, b: i32| f64::from(a + b) / 2.0;
-                let ray = k.ray(middle(inner.0, u), middle(inner.1, v));
-                let at = frame.plane.meet(&ray) - frame.origin;
-                crossings.push(Crossing {
-                    along: at.dot(&tangent),
-                    beyond: at.dot(&outward) - half,
-                    shadowed,
-                    lit,
-                });
-            }
-            break;
-        }
-    }
-    ScanLines::new(crossings, lines, least_seen)
-}
-
-/// Of the pixels `from + s step` (column, row, expected depth) the first from `s` on that was measured, if one is no
-/// farther than the longest shadow: (`s`, depth, expected depth).
-fn first_measured(
-    image: &DepthImage,
-    from: (f32, f32, f32),
-    step: (f32, f32, f32),
-    s: i32,
-) -> Option<(i32, f32, f32)> {
-    let (width, height) = (image.width as f32, image.height as f32);
-    for s in s..s + LONGEST_SHADOW {
-        let n = s as f32;
-        let (u, v) = (from.0 + step.0 * n, from.1 + step.1 * n);
-        let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
-        if !inside {
-            return None;
-        }
-        let z = image.depth[v as i32 as usize * image.width + u as i32 as usize];
-        if z != 0.0 {
-            return Some((s, z, from.2 + step.2 * n));
-        }
-    }
-    None
 }
 
 /// One turn for all sides (they stay orthogonal) and an offset for each, by reweighted least

@@ -23,7 +23,7 @@ pub fn pixels_on_steps(depth: &[f32], width: usize) -> usize {
     for row in depth.chunks_exact(width).step_by(4) {
         let mut u = REACH + 4;
         while u + REACH + 4 < width {
-            if let Some((a, b)) = ends(row, u).filter(|(a, b)| (a - b).abs() > LEAST_STEP) {
+            if let Some((a, b)) = ends(row, u) {
                 let between = row[u - REACH..=u + REACH].iter().filter(|&&z| {
                     let share = (z - a) / (b - a);
                     z > 0.0 && share > LEVELS.0 && share < LEVELS.1
@@ -37,13 +37,20 @@ pub fn pixels_on_steps(depth: &[f32], width: usize) -> usize {
     whole_step(widths)
 }
 
-/// The level depths on both sides of a place on a line.
+/// The level depths on both sides of a place on a line, where they differ by more than a step.
+#[inline(always)]
 fn ends(line: &[f32], u: usize) -> Option<(f32, f32)> {
-    let level = |at: usize, beside: usize| {
-        let (a, b) = (line[at], line[beside]);
-        (a > 0.0 && b > 0.0 && (a - b).abs() < 0.2 * LEAST_STEP).then_some(a)
-    };
-    level(u - REACH, u - REACH - 4).zip(level(u + REACH, u + REACH + 4))
+    let line = &line[u - REACH - 4..=u + REACH + 4];
+    level_ends(line[4], line[0], line[2 * REACH + 4], line[2 * REACH + 8])
+}
+
+/// The same of the depths on both sides and of those beside them, farther out.
+#[inline(always)]
+fn level_ends(a: f32, beside_a: f32, b: f32, beside_b: f32) -> Option<(f32, f32)> {
+    let level =
+        |at: f32, beside: f32| at > 0.0 && beside > 0.0 && (at - beside).abs() < 0.2 * LEAST_STEP;
+    // There are few steps: that comes first.
+    ((a - b).abs() > LEAST_STEP && level(a, beside_a) && level(b, beside_b)).then_some((a, b))
 }
 
 /// Median of the widths between the levels, as that of a whole step.
@@ -64,11 +71,26 @@ pub fn smear_of(depth: &[f32], width: usize, noise: f32) -> usize {
     for row in depth.chunks_exact(width.max(1)).step_by(4) {
         widths_along(row, noise, &mut widths);
     }
-    let mut column = Vec::with_capacity(height);
-    for u in (0..width).step_by(4) {
-        column.clear();
-        column.extend((0..height).map(|v| depth[v * width + u]));
-        widths_along(&column, noise, &mut widths);
+    // Down all columns at once, as rows lie together in memory; each goes on behind the step that it met.
+    let mut next = vec![0usize; width];
+    let mut column = [0.0; 2 * REACH + 1];
+    let row = |v: usize| &depth[v * width..(v + 1) * width];
+    for v in (REACH + 4..height.saturating_sub(REACH + 4)).step_by(4) {
+        let (a, beside_a) = (row(v - REACH), row(v - REACH - 4));
+        let (b, beside_b) = (row(v + REACH), row(v + REACH + 4));
+        for u in (0..width).step_by(4) {
+            let Some(ends) = level_ends(a[u], beside_a[u], b[u], beside_b[u]) else {
+                continue;
+            };
+            if next[u] > v || !is_step(ends, noise) {
+                continue;
+            }
+            for (k, z) in column.iter_mut().enumerate() {
+                *z = depth[(v - REACH + k) * width + u];
+            }
+            widths.extend(width_of(&column, ends));
+            next[u] = v + 2 * REACH + 4;
+        }
     }
     whole_step(widths)
 }
@@ -77,30 +99,36 @@ pub fn smear_of(depth: &[f32], width: usize, noise: f32) -> usize {
 fn widths_along(row: &[f32], noise: f32, widths: &mut Vec<usize>) {
     let mut u = REACH + 4;
     while u + REACH + 4 < row.len() {
-        let least = |z: f32| LEAST_STEP.max(LEAST_SIGMAS * noise * z * z);
-        if let Some((a, b)) = ends(row, u).filter(|(a, b)| (a - b).abs() > least(a.max(*b))) {
-            // What is lost beside the step must not make it narrower.
-            let line = &row[u - REACH..=u + REACH];
-            let share = |z: f32| (z - a) / (b - a);
-            let past = |level: f32| line.iter().position(|&z| z > 0.0 && share(z) > level);
-            let half = past(0.5).unwrap_or(0);
-            let before = line[..half]
-                .iter()
-                .rposition(|&z| z > 0.0 && share(z) < LEVELS.0);
-            let after = line[half..]
-                .iter()
-                .position(|&z| z > 0.0 && share(z) > LEVELS.1);
-            if let Some((before, after)) = before.zip(after.map(|n| n + half)) {
-                let inner = &line[before + 1..after];
-                let lost = inner.iter().filter(|z| **z <= 0.0).count();
-                if 2 * lost <= inner.len() {
-                    widths.push(inner.len());
-                }
-            }
+        if let Some(ends) = ends(row, u).filter(|ends| is_step(*ends, noise)) {
+            widths.extend(width_of(&row[u - REACH..=u + REACH], ends));
             u += 2 * REACH;
         }
         u += 4;
     }
+}
+
+/// True when two levels differ by more than noise of the given deviation at one metre.
+fn is_step((a, b): (f32, f32), noise: f32) -> bool {
+    let z = a.max(b);
+    (a - b).abs() > LEAST_SIGMAS * noise * z * z
+}
+
+/// Over how many pixels a line goes from one level to the other; `None` where most of them are lost.
+fn width_of(line: &[f32], (a, b): (f32, f32)) -> Option<usize> {
+    // What is lost beside the step must not make it narrower.
+    let share = |z: f32| (z - a) / (b - a);
+    let past = |level: f32| line.iter().position(|&z| z > 0.0 && share(z) > level);
+    let half = past(0.5).unwrap_or(0);
+    let before = line[..half]
+        .iter()
+        .rposition(|&z| z > 0.0 && share(z) < LEVELS.0)?;
+    let after = half
+        + line[half..]
+            .iter()
+            .position(|&z| z > 0.0 && share(z) > LEVELS.1)?;
+    let inner = &line[before + 1..after];
+    let lost = inner.iter().filter(|z| **z <= 0.0).count();
+    (2 * lost <= inner.len()).then_some(inner.len())
 }
 
 /// The depths with every smeared step put back to where it is half way; `smear` pixels wide, `noise`

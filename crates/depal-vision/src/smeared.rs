@@ -18,7 +18,7 @@ use crate::{
     patch::pixel_pitch,
     plane::PlaneFrame,
     rated::{Rated, rated},
-    surface::Surface,
+    surface::{Surface, least_pixels},
     tile_fit::Fitted,
     tile_relief::TileRelief,
     tiling::Tile,
@@ -28,9 +28,9 @@ use crate::{
 
 /// Tolerances are so many deviations of a depth by noise.
 const SIGMAS: f64 = 6.0;
-/// Of a top so much must be left between the smears of its sides, pixels, or nothing is reported: eleven blocks of those
-/// by which it is judged how plane it is. Of less, another arrangement was taken for the right one now and then.
-const LEAST_PLANE: f64 = 55.0;
+/// Of a top so much must be left between the smears of its sides, pixels, or nothing is reported: fifteen blocks of
+/// those by which it is judged how plane it is. Of 60, another arrangement was taken for the right one now and then.
+const LEAST_PLANE: f64 = 75.0;
 /// Tops are no less plane than the picture is noisy, deviations of a depth: else they are no tops.
 const MOST_RELIEF: f64 = 0.9;
 /// Surfaces of one height differ by no more than this share of a carton's height.
@@ -58,10 +58,11 @@ pub fn find_smeared(
         plane_tolerance: tolerance,
         ..settings.clone()
     };
-    let mut surfaces: Vec<Surface> = components(mask, image.width)
-        .into_iter()
-        .filter_map(|c| Surface::new(c, image, settings, smallest).ok())
-        .collect();
+    let mut surfaces: Vec<Surface> =
+        components(mask, image.width, least_pixels(image, settings, smallest))
+            .into_iter()
+            .filter_map(|c| Surface::new(c, image, settings, smallest).ok())
+            .collect();
     surfaces.retain_mut(|s| s.layout(mask, image, settings).is_ok());
     let mut found = Vec::new();
     // One height all around, at least, must show that the size is right.

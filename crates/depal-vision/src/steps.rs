@@ -1,6 +1,6 @@
 //! Stage 2: the step mask. A pixel is surface when nothing within two pixels is much nearer.
 
-use crate::{gate::DepthImage, lean::Lean};
+use crate::{gate::DepthImage, lean::Lean, scratch::Kept};
 
 /// Half of the window: 5 x 5 pixels, so that a line of gap pixels parts two surfaces even where
 /// noise has closed it for up to four pixels.
@@ -12,33 +12,43 @@ const WINDOW: usize = 2 * REACH + 1;
 /// Two running minima of 5 x 5, one over depth and one over what is surface, go down the image
 /// together, so that only a dozen rows are in use at a time. Where the camera leans against the
 /// level faces, depths are counted along their common direction.
-pub fn surface_mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
-    pulp::Arch::new().dispatch(MaskJob { image, holes, step })
+///
+/// A step is `step` high, metres, and at least `noise` times the square of depth.
+pub fn surface_mask(image: &DepthImage, holes: &[(usize, f32)], step: f64, noise: f64) -> Kept<u8> {
+    pulp::Arch::new().dispatch(MaskJob {
+        image,
+        holes,
+        step: step as f32,
+        noise: noise as f32,
+    })
 }
 
 /// The mask's loops for the widest vectors that the machine has; the same bits with any.
 struct MaskJob<'a> {
     image: &'a DepthImage<'a>,
     holes: &'a [(usize, f32)],
-    step: f64,
+    step: f32,
+    noise: f32,
 }
 
 impl pulp::WithSimd for MaskJob<'_> {
-    type Output = Vec<u8>;
+    type Output = Kept<u8>;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<u8> {
-        mask(self.image, self.holes, self.step)
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Kept<u8> {
+        mask(self.image, self.holes, self.step, self.noise)
     }
 }
 
 #[inline(always)]
-fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
-    let step = step as f32;
+fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f32, noise: f32) -> Kept<u8> {
     let (width, height) = (image.width, image.height);
-    let mut mask = vec![0u8; width * height];
     let lean = Lean::of(image, f64::from(step));
     let (top, bottom) = image.window.rows;
+    // Each row of the window is written below.
+    let mut mask = Kept::of_any(width * height, 0u8);
+    mask[..top.min(height) * width].fill(0);
+    mask[bottom.min(height) * width..].fill(0);
     let mut nearest = RollingMin::new(width, f32::MAX);
     let mut eroded = RollingMin::new(width, 0u8);
     let mut filled = vec![FilledRow::new(width); WINDOW];
@@ -73,6 +83,8 @@ fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f64) -> Vec<u8> {
                 .iter_mut()
                 .zip(row.depth.iter().zip(&low).zip(&row.inside))
             {
+                let noise = noise * low * low;
+                let step = if noise > step { noise } else { step };
                 *out = inside & u8::from(z - low < step);
             }
             eroded.push(middle, &surface);

@@ -2,26 +2,40 @@
 
 use crate::{
     DetectedBox, RejectReason, RejectedSurface, VisionSettings,
-    arrange::{Open, arrange},
     blank::Blank,
     components::Component,
     cover::uncovered,
+    doubles::is_doubtful,
     even::is_even,
-    gate::DepthImage,
-    joint::place_together,
-    measure::{Measured, measure_whole},
+    gate::{DepthImage, LARGEST_DEPTH},
+    measure::measure_whole,
     orientation::{main_direction, outline},
     outlined::outlined,
     patch::{Grid, Patch, SHARP_RIM, pixel_pitch},
     plane::{PlaneFrame, fit_plane},
-    search::{Candidate, extents, sides_with_edges},
-    settle::settle,
-    stands::{goes_on, stands},
+    search::{Candidate, extents},
+    support::Measured,
     verify::{Proof, verify},
 };
 
+mod covered;
+
 /// How far a patch reaches beyond its surface, metres.
 const MARGIN: f64 = 0.030;
+
+/// What shows less of the smallest carton than this is none.
+const LEAST_PART: f64 = 0.25;
+/// Fewer pixels make no plane.
+const LEAST_SAMPLES: usize = 50;
+
+/// A piece of fewer pixels is too small for [`Surface::new`], however far away it lies.
+pub fn least_pixels(image: &DepthImage, settings: &VisionSettings, smallest: f64) -> usize {
+    /// Rounding is less than that.
+    const SLACK: f64 = 0.999;
+    let far = settings.max_depth.min(f64::from(LARGEST_DEPTH));
+    let seen = LEAST_PART * smallest * image.intrinsics.fx * image.intrinsics.fy / (far * far);
+    LEAST_SAMPLES.max((SLACK * seen) as usize)
+}
 
 /// A piece of the step mask that lies on a plane roughly facing the camera.
 pub struct Surface {
@@ -32,16 +46,18 @@ pub struct Surface {
     pub area: f64,
     /// All of it belongs to found boxes.
     pub solved: bool,
+    /// How far its carton may go on beyond it, metres.
+    pub reach: f64,
     bounds: Option<Bounds>,
     searched: Option<Searched>,
 }
 
 /// Main direction of an outline (radians) and its ranges along that and across it, metres.
 #[derive(Debug, Clone, Copy)]
-struct Bounds {
-    yaw: f64,
-    x: [f64; 2],
-    y: [f64; 2],
+pub struct Bounds {
+    pub yaw: f64,
+    pub x: [f64; 2],
+    pub y: [f64; 2],
 }
 
 /// A patch and the boxes whose outline was found on it.
@@ -59,7 +75,6 @@ impl Surface {
         settings: &VisionSettings,
         smallest: f64,
     ) -> Result<Self, Option<RejectedSurface>> {
-        const LEAST_PART: f64 = 0.25;
         let k = &image.intrinsics;
         let wanted = 500 + component.pixels / 200;
         let stride = (component.pixels / wanted.min(4000)).max(1);
@@ -83,7 +98,7 @@ impl Surface {
             (s.0 + p.0 / n, s.1 + p.1 / n, s.2 + p.2 / n)
         });
         let area = component.pixels as f64 * (z / k.fx) * (z / k.fy);
-        if area < LEAST_PART * smallest || samples.len() < 50 {
+        if area < LEAST_PART * smallest || samples.len() < LEAST_SAMPLES {
             return Err(None);
         }
         let centre_in_camera = k.deproject(u, v, z);
@@ -109,6 +124,7 @@ impl Surface {
             frame,
             area,
             solved: false,
+            reach: 0.0,
             bounds: None,
             searched: None,
         })
@@ -151,7 +167,7 @@ impl Surface {
     }
 
     /// Direction and size; `Err` when this is background.
-    fn bounds(
+    pub fn bounds(
         &mut self,
         mask: &[u8],
         image: &DepthImage,
@@ -192,6 +208,16 @@ impl Surface {
         Ok((self.frame.turned(bounds.yaw), [bounds.x, bounds.y]))
     }
 
+    /// Its plane in the middle of its bounds, X along its main direction.
+    pub fn middle(&self, bounds: &Bounds) -> PlaneFrame {
+        let frame = self.frame.turned(bounds.yaw);
+        let [x, y] = [bounds.x, bounds.y].map(|[low, high]| f64::midpoint(low, high));
+        PlaneFrame {
+            origin: frame.point(x, y),
+            ..frame
+        }
+    }
+
     /// Resampled along its main direction.
     fn patch(
         &mut self,
@@ -203,7 +229,7 @@ impl Surface {
         let bounds = self.bounds(mask, image, settings)?;
         let frame = self.frame.turned(bounds.yaw);
         let pitch = pixel_pitch(&self.frame, &image.intrinsics);
-        let margin = margin(settings, pitch);
+        let margin = margin(settings, pitch) + self.reach;
         let grid = Grid {
             frame,
             x: [bounds.x[0] - margin, bounds.x[1] + margin],
@@ -247,19 +273,12 @@ impl Surface {
         if self.area < FILLED * (range[0] + pitch) * (range[1] + pitch) {
             return None;
         }
-        let frame = self.frame.turned(bounds.yaw);
-        let start = PlaneFrame {
-            origin: frame.point(
-                f64::midpoint(bounds.x[0], bounds.x[1]),
-                f64::midpoint(bounds.y[0], bounds.y[1]),
-            ),
-            ..frame
-        };
+        let start = self.middle(&bounds);
         if !is_even(mask, image, &start, range, pitch) {
             return None;
         }
         let found = verify(image, settings, start, label as u32, turned, Proof::Outline).ok()?;
-        (found.proven_sides == 4).then_some(found)
+        (found.proven_sides == 4 && !is_doubtful(image, settings, &found)).then_some(found)
     }
 
     /// Boxes whose outline can be seen; `Err` when this is background.
@@ -295,121 +314,6 @@ impl Surface {
         let patch = self.patch(mask, image, settings, &[])?;
         let margin = margin(settings, patch.pitch);
         measure_whole(&patch, image, settings, self.area, margin)
-    }
-
-    /// Boxes whose outline can be seen, and those that follow from covering the rest. `beside`: those
-    /// already found on the same level, which are no part of it. `proven`: labels of sizes of which some stand proven
-    /// anywhere.
-    pub fn cover(
-        &mut self,
-        mask: &[u8],
-        image: &DepthImage,
-        settings: &VisionSettings,
-        beside: &[DetectedBox],
-        proven: &[u32],
-        rejected: &mut Vec<RejectedSurface>,
-    ) -> Vec<DetectedBox> {
-        let Searched {
-            patch,
-            fixed,
-            mut boxes,
-        } = match self.searched.take() {
-            Some(searched) => searched,
-            None => match self.patch(mask, image, settings, beside) {
-                Ok(patch) => {
-                    let (fixed, boxes) = outlined(&patch, image, settings, rejected);
-                    Searched {
-                        patch,
-                        fixed,
-                        boxes,
-                    }
-                }
-                Err(background) => {
-                    rejected.push(background);
-                    return Vec::new();
-                }
-            },
-        };
-        let mut labels: Vec<u32> = beside.iter().map(|b| b.label).collect();
-        if patch.averaged {
-            // Such a camera shows few seams: what stands elsewhere says which sizes there are.
-            labels.extend(proven);
-        }
-        let open = Open {
-            patch: &patch,
-            image,
-            tolerance: settings.plane_tolerance,
-            sizes: &settings.sizes,
-            beside: &labels,
-        };
-        let Some(arrangement) = arrange(&open, &fixed) else {
-            if boxes.is_empty() {
-                rejected.push(self.rejected(RejectReason::NoKnownSize));
-            }
-            return boxes;
-        };
-        if arrangement.ambiguous {
-            rejected.push(self.rejected(RejectReason::Ambiguous));
-        }
-        let goes_on = patch.averaged
-            && !arrangement.ambiguous
-            && goes_on(&patch, settings, &arrangement.boxes, &fixed);
-        if goes_on
-            || !stands(
-                &patch,
-                image,
-                settings,
-                &arrangement.boxes,
-                arrangement.plain,
-            )
-        {
-            rejected.push(self.rejected(RejectReason::NoKnownSize));
-            return boxes;
-        }
-        let mut arranged = Vec::new();
-        for (candidate, start) in settle(image, settings, &patch, &arrangement.boxes, &fixed) {
-            match verify(
-                image,
-                settings,
-                start,
-                candidate.label,
-                candidate.turned,
-                Proof::Arrangement {
-                    sides: sides_with_edges(&patch, &candidate),
-                },
-            ) {
-                Ok(found) => arranged.push((candidate, found)),
-                Err(reason) => rejected.push(RejectedSurface {
-                    reason,
-                    centre_in_camera: start.origin,
-                    area: self.area,
-                }),
-            }
-        }
-        let seen = arranged.len();
-        arranged.extend(fixed.iter().copied().zip(boxes.iter().cloned()));
-        place_together(image, settings, &patch, &mut arranged);
-        for (placed, (_, moved)) in boxes.iter_mut().zip(arranged.drain(seen..)) {
-            *placed = moved;
-        }
-        let arranged: Vec<DetectedBox> = arranged.into_iter().map(|(_, found)| found).collect();
-        // A box in the middle has no side of its own to show; those around it must have theirs.
-        let proven = |b: &DetectedBox| b.proven_sides > 0;
-        let all = || arranged.iter().chain(&boxes).chain(beside);
-        let around = all().filter(|b| proven(b)).count();
-        let enclosed = arrangement.each_proven || arrangement.unique && 2 * around >= all().count();
-        for found in arranged {
-            if proven(&found) || enclosed {
-                boxes.push(found);
-            } else {
-                rejected.push(RejectedSurface {
-                    reason: RejectReason::Ambiguous,
-                    centre_in_camera: found.camera_from_box.translation.vector.into(),
-                    area: found.size.length * found.size.width,
-                });
-            }
-        }
-        boxes
     }
 }
 

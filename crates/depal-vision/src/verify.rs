@@ -10,6 +10,7 @@ use crate::{
     overhang::is_overhung,
     patch::pixel_pitch,
     plane::{PlaneFrame, fit_plane},
+    runs_on::runs_on,
     sides::{
         FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, SideFit, anchored, edge_inside,
         fit_rectangle,
@@ -27,6 +28,9 @@ const PLAIN: f64 = 0.5;
 
 /// So many seen sides must not be mere shadows of something taller: the floor of a cage ends in those.
 const LEAST_TRUE_EDGES: usize = 2;
+
+/// Share of a side across which a surface may be seen to run on, where only two sides show that it ends: noise.
+const MOST_RUNNING_ON: f64 = 0.05;
 
 /// Share of a side's extent that a shadow may hide and still be slid under.
 const MOST_HIDDEN: f64 = 0.2;
@@ -57,7 +61,17 @@ pub fn verify(
 ) -> Result<DetectedBox, RejectReason> {
     let size = settings.sizes[label as usize];
     let extents = crate::search::extents(&size, turned);
-    let (found, ..) = check(image, settings, start, extents, proof)?;
+    let (found, measured, _) = check(image, settings, start, extents, proof)?;
+    // Of a nearly square carton the sides that were measured tell which way round it lies; if it is the other one, its
+    // neighbours in the arrangement lie where it ends. A lone one was put the way round that fits best.
+    let off = |sides: [f64; 2]| {
+        let seen = (0..2).filter(|&k| measured[k] != extents[k]);
+        seen.map(|k| (measured[k] - sides[k]).abs()).sum::<f64>()
+    };
+    let [length, width] = extents;
+    if proof != Proof::Outline && off([width, length]) < off(extents) {
+        return Err(RejectReason::Ambiguous);
+    }
     Ok(DetectedBox {
         size,
         label,
@@ -175,14 +189,18 @@ fn check(
     }
 
     if proof == Proof::Outline {
-        // A side that is not seen must be hidden; a surface that ends before it is a smaller one.
         for (k, side) in fit.sides.iter().enumerate() {
-            let (axis, sign) = (k / 2, if k % 2 == 0 { -1.0 } else { 1.0 });
+            let at = (k / 2, if k % 2 == 0 { -1.0 } else { 1.0 });
+            // Two edges are those of any corner, and a shadow beside it may lie at a carton's length by chance.
+            let corner = true_edges <= LEAST_TRUE_EDGES && !side.is_true_edge(LEAST_SEEN);
+            if corner && runs_on(image, &fit.frame, extents, at, tolerance) > MOST_RUNNING_ON {
+                return Err(RejectReason::NoKnownSize);
+            }
+            // A side that is not seen must be hidden; a surface that ends before it is a smaller one.
             if side.seen >= LEAST_SEEN {
                 continue;
             }
-            let reach = extents[axis] * MOST_HIDDEN;
-            let at = (axis, sign);
+            let reach = extents[at.0] * MOST_HIDDEN;
             let ends = edge_inside(image, &fit.frame, extents, tolerance, at, reach);
             if ends.is_some_and(|beyond| beyond < -allowed) {
                 return Err(RejectReason::NoKnownSize);

@@ -281,3 +281,34 @@ fn a_ramp_is_nothing() {
         assert_eq!(detect_any_size(&frame, &settings).boxes, []);
     }
 }
+
+/// Of a gap too deep for the projector's light nothing is measured, and through one seen aslant a neighbour's wall shows:
+/// neither is a strip of tape, nor a bearer under a board.
+#[test]
+fn gaps_of_any_width_part_cartons() {
+    for gap_mm in [8.0, 12.0, 20.0, 28.0] {
+        let at = looking_down(LOW + DISTANCE);
+        let (mut wanted, mut found) = (0, 0);
+        for seed in 40..44 {
+            let cartons = layer(Layout::Mixed, gap_mm * 1e-3, LOW, seed);
+            let frame = picture(
+                &camera(SensorSpec::laser_3m()),
+                &at,
+                &stacked(&cartons, LOW),
+                seed,
+            );
+            let settings = VisionSettings::new(Vec::new()).suited_to(&frame);
+            let boxes = detect_any_size(&frame, &settings).boxes;
+            wanted += cartons.len();
+            found += boxes.len();
+            for carton in boxes {
+                let p = (at * carton.camera_from_box).translation.vector;
+                let is_own = |c: &&Carton| (c.x - p.x).hypot(c.y - p.y) < 0.002;
+                let own = cartons.iter().find(is_own).expect("it is one of them");
+                assert!((carton.size.length - own.size[0]).abs() < 0.002);
+                assert!((carton.size.width - own.size[1]).abs() < 0.002);
+            }
+        }
+        assert_eq!(found, wanted, "gaps of {gap_mm} mm");
+    }
+}

@@ -101,12 +101,13 @@ pub fn detect(args: &DetectArgs) -> Result<(), Failure> {
             json!({"boxes": boxes, "time_ms": round(time_ms, 1e3)})
         );
     } else {
-        print_for_people(&frame, &detection, time_ms);
+        print_for_people(&frame, &detection, time_ms, !sizes.is_empty());
     }
     Ok(())
 }
 
-fn print_for_people(frame: &DepthFrame, detection: &Detection, time_ms: f64) {
+/// `sized`: sizes were given.
+fn print_for_people(frame: &DepthFrame, detection: &Detection, time_ms: f64, sized: bool) {
     tell!("{} boxes in {time_ms:.1} ms", detection.boxes.len());
     for found in &detection.boxes {
         let at = found.camera_from_box.translation.vector * 1e3;
@@ -127,7 +128,7 @@ fn print_for_people(frame: &DepthFrame, detection: &Detection, time_ms: f64) {
         Some(_) => {}
     }
     for refused in &detection.rejected {
-        if let Some(reason) = refusal(refused.reason) {
+        if let Some(reason) = refusal(refused.reason, sized) {
             let at = refused.centre_in_camera.coords * 1e3;
             tell!(
                 "  refused: {:.2} m2 at ({:.0} {:.0} {:.0}) mm: {reason}",
@@ -151,13 +152,21 @@ fn median_depth(frame: &DepthFrame) -> Option<f32> {
 }
 
 /// Why a surface was not reported; `None` for what nobody takes for a carton.
-fn refusal(reason: RejectReason) -> Option<&'static str> {
+fn refusal(reason: RejectReason, sized: bool) -> Option<&'static str> {
     match reason {
         RejectReason::Background => None,
         RejectReason::Tilted => Some("it leans more than a carton on a pallet does"),
         RejectReason::NotFlat => Some("it is not flat"),
-        RejectReason::NoKnownSize => Some("no whole carton of a given size fits its outline"),
+        RejectReason::NoKnownSize if sized => {
+            Some("no whole carton of a given size fits its outline")
+        }
+        RejectReason::NoKnownSize => {
+            Some("no whole carton can be measured there; --box would say what to look for")
+        }
         RejectReason::Covered => Some("something lies over it"),
+        RejectReason::Ambiguous if !sized => {
+            Some("it may be one carton or several; --box would tell")
+        }
         RejectReason::Ambiguous => {
             Some("cartons could lie there in more than one way; an intensity image may tell")
         }

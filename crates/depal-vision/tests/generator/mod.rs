@@ -64,6 +64,25 @@ pub fn cartons(layout: Layout, gap: f64, seed: u64) -> Vec<Carton> {
 
 /// What the camera delivers of cartons over a slab and a floor.
 pub fn frame(cartons: &[Carton], noise: Noise, with_intensity: bool, seed: u64) -> DepthFrame {
+    let mut shapes = solids(cartons);
+    shapes.push(block(
+        1000,
+        [0.0, 0.0, -HEIGHT - 0.002 - 0.1],
+        [1.2, 1.0, 0.2],
+        0.0,
+        Material::KRAFT,
+    ));
+    shapes.push(floor(-1.0));
+    frame_of(&shapes, noise, with_intensity, seed)
+}
+
+/// What the camera delivers of any shapes.
+pub fn frame_of(
+    shapes: &[RenderShape],
+    noise: Noise,
+    with_intensity: bool,
+    seed: u64,
+) -> DepthFrame {
     let intrinsics = Intrinsics {
         width: 1280,
         height: 1024,
@@ -82,19 +101,10 @@ pub fn frame(cartons: &[Carton], noise: Noise, with_intensity: bool, seed: u64) 
             ..SensorSpec::ideal()
         },
     };
-    let mut shapes = solids(cartons);
-    shapes.push(block(
-        1000,
-        [0.0, 0.0, -HEIGHT - 0.002 - 0.1],
-        [1.2, 1.0, 0.2],
-        0.0,
-        Material::KRAFT,
-    ));
-    shapes.push(floor(-1.0));
-    let rendering = render(&spec, &at(), &shapes);
+    let rendering = render(&spec, &at(), shapes);
     let capture = sense(&spec, &rendering, seed);
     let mut frame = capture.frame;
-    lose_grazing(&mut frame, &capture.ids, &shapes);
+    lose_grazing(&mut frame, &capture.ids, shapes);
     frame.depth = sensed(&frame.depth, intrinsics.width, noise, seed);
     if !with_intensity {
         frame.intensity = Vec::new();
