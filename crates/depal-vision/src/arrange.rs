@@ -93,7 +93,7 @@ pub fn arrange(open: &Open, fixed: &[Candidate]) -> Option<Arrangement> {
         ),
         unknown: &unknown,
     };
-    let boxes = proven(&shown, open.sizes, fixed);
+    let boxes = proven(&shown, open.sizes, fixed, open.beside);
     (!boxes.is_empty()).then_some(Arrangement {
         boxes,
         ambiguous: true,

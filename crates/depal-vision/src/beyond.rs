@@ -25,10 +25,9 @@ pub struct Beyond {
 
 /// What lies no deeper than this beneath a top is what a sheet lies on, metres: no carton is so low.
 pub const THIN: f64 = 0.015;
-/// A gap between level cartons in which nothing was measured is at most so wide, metres: a wider one shows its bottom
-/// or a wall, if the projector reaches it; else it is a shadow or a strip of glossy tape, of which the narrowest has 36 mm,
-/// and the surface goes on behind it.
-pub const WIDEST_BLIND_GAP: f64 = 0.034;
+/// A gap in a layer in which nothing was measured is at most so wide, metres: wider, and it shows its bottom; then it is
+/// a shadow or a strip of glossy tape, and the surface goes on behind it.
+pub const WIDEST_BLIND_GAP: f64 = 0.015;
 /// The longest shadow that is followed, pixels.
 const LONGEST_SHADOW: usize = 300;
 
@@ -45,13 +44,15 @@ enum End {
     None,
 }
 
-/// Looks across the side `(axis, sign)` of a rectangle in a plane.
+/// Looks across the side `(axis, sign)` of a rectangle in a plane. What lies level behind so much that was not measured
+/// (`blind`, metres) is a neighbour behind a gap; behind more it is the same surface.
 pub fn beyond(
     image: &DepthImage,
     frame: &PlaneFrame,
     extents: [f64; 2],
     (axis, sign): (usize, f64),
     tolerance: f64,
+    blind: f64,
 ) -> Beyond {
     let pitch = pixel_pitch(frame, &image.intrinsics);
     let (outward, tangent) = if axis == 0 {
@@ -72,6 +73,7 @@ pub fn beyond(
             outward,
             tolerance,
             pitch,
+            blind,
         };
         match look.along(&on_side.coords) {
             End::Open { thin } => {
@@ -97,6 +99,7 @@ struct Look<'a> {
     outward: Vector,
     tolerance: f64,
     pitch: f64,
+    blind: f64,
 }
 
 /// A pixel on the way.
@@ -175,7 +178,7 @@ impl Look<'_> {
             }
             if self.is_on(&seen) {
                 let blind = n as f64 * self.pitch;
-                let gap = n > 1 && blind <= WIDEST_BLIND_GAP;
+                let gap = n > 1 && blind <= self.blind;
                 return if gap {
                     End::Open { thin: false }
                 } else {

@@ -22,6 +22,9 @@ const LEAST_SIDE: f64 = 0.10;
 const MOST_SIDE: f64 = 0.80;
 /// Share of the bounding rectangle that must be surface: an L of three cartons has 0.75.
 const WHOLE: f64 = 0.93;
+/// Cartons of unknown size are told apart by gaps, whose bottom and walls are dark where the projector does not reach
+/// them. All four sides of one end as straight as it does; the narrowest tape, which would end as straight, has 36 mm.
+const WIDEST_BLIND_GAP: f64 = 0.034;
 /// Axis and sign of each side.
 const SIDES: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
 
@@ -134,7 +137,7 @@ pub fn is_free(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> bool 
     let frame = top(found);
     let extents = [found.size.length, found.size.width];
     SIDES.iter().all(|side| {
-        let seen = beyond(image, &frame, extents, *side, tolerance);
+        let seen = beyond(image, &frame, extents, *side, tolerance, WIDEST_BLIND_GAP);
         seen.hidden <= MOST_HIDDEN && seen.over <= MOST_OVER
     })
 }
@@ -153,7 +156,7 @@ fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> (Ending, [
     let mut thin = 0;
     let mut blind = [false; 4];
     for (side, blind) in SIDES.into_iter().zip(&mut blind) {
-        let seen = beyond(image, &frame, extents, side, tolerance);
+        let seen = beyond(image, &frame, extents, side, tolerance, WIDEST_BLIND_GAP);
         if seen.open + seen.narrow + seen.beside < LEAST_OPEN
             || seen.hidden > MOST_HIDDEN
             || seen.over > MOST_OVER

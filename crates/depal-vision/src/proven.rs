@@ -4,6 +4,9 @@
 //! and where it ends there is an edge, or its neighbour's plane, or a neighbour that is proven itself. A place where
 //! that holds on three sides, a known size apart, is a carton whatever lies elsewhere; so is one where it holds at a
 //! corner and all beyond the two other sides is hidden from exactly there on.
+//!
+//! Where a side does not show, a carton of another size may go on, one that nobody told of. So with less than four
+//! sides only sizes count of which some carton in sight shows all four.
 
 use depal_frames::BoxSize;
 
@@ -22,8 +25,6 @@ const STRIDE: usize = 8;
 const SIZE_OFF: isize = 3;
 /// Overlap of two cartons that inexact places make.
 const OVERLAP: f64 = 0.05;
-/// A step shows clearly from so many of the least steps that count on.
-const CLEAR: f64 = 1.0;
 /// Share of a place that must be surface or unknown.
 const WHOLE: f64 = 0.96;
 
@@ -32,6 +33,8 @@ const WHOLE: f64 = 0.96;
 struct Place {
     candidate: Candidate,
     sides: usize,
+    /// All four show by themselves, not by a neighbour.
+    complete: bool,
     strength: f64,
 }
 
@@ -46,8 +49,14 @@ enum Open {
     Short,
 }
 
-/// All cartons of the known sizes that are proven, those given as fixed not among them.
-pub fn proven(shown: &Shown, sizes: &[BoxSize], fixed: &[Candidate]) -> Vec<Candidate> {
+/// All cartons of the known sizes that are proven, those given as fixed not among them. `beside`: labels of cartons
+/// that stand proven beside the patch.
+pub fn proven(
+    shown: &Shown,
+    sizes: &[BoxSize],
+    fixed: &[Candidate],
+    beside: &[u32],
+) -> Vec<Candidate> {
     let patch = shown.patch;
     let kinds = kinds(patch, sizes);
     let mut open: Vec<Candidate> = Vec::new();
@@ -62,6 +71,10 @@ pub fn proven(shown: &Shown, sizes: &[BoxSize], fixed: &[Candidate]) -> Vec<Cand
         }
     }
     let mut placed = fixed.to_vec();
+    let mut seen_whole = vec![false; sizes.len()];
+    for label in beside.iter().copied().chain(fixed.iter().map(|f| f.label)) {
+        seen_whole[label as usize] = true;
+    }
     // A neighbour that is proven proves a side in turn: what is not near a new one has been looked at.
     let mut new: Option<Vec<Candidate>> = None;
     loop {
@@ -83,6 +96,11 @@ pub fn proven(shown: &Shown, sizes: &[BoxSize], fixed: &[Candidate]) -> Vec<Cand
                 .then(a.candidate.first.cmp(&b.candidate.first))
         });
         let before = placed.len();
+        let sizes_before = seen_whole.clone();
+        for place in found.iter().filter(|place| place.complete) {
+            seen_whole[place.candidate.label as usize] = true;
+        }
+        found.retain(|place| seen_whole[place.candidate.label as usize]);
         for Place { candidate: c, .. } in found {
             let clear = |p: &Candidate| p.overlap(&c).max(c.overlap(p)) < OVERLAP;
             if placed.iter().all(clear) {
@@ -92,7 +110,9 @@ pub fn proven(shown: &Shown, sizes: &[BoxSize], fixed: &[Candidate]) -> Vec<Cand
         if placed.len() == before {
             break;
         }
-        new = Some(placed[before..].to_vec());
+        // What a size that was not seen whole ruled out is looked at once more.
+        let same_sizes = seen_whole == sizes_before;
+        new = same_sizes.then(|| placed[before..].to_vec());
     }
     placed.split_off(fixed.len())
 }
@@ -178,7 +198,7 @@ fn prove(
         let hidden = looks.map(|look| look == Some(Open::Hidden));
         // A corner shows where a carton is, and what is hidden from its size on how large it is.
         let corner = || {
-            let own = ends.iter().flatten().all(|e| e.strength >= CLEAR);
+            let own = ends.iter().flatten().all(|e| e.strength > NEIGHBOUR);
             own && hidden.iter().filter(|h| **h).count() == 2
         };
         // A neighbour that meets it level is as large as any.
@@ -189,7 +209,7 @@ fn prove(
             Some(Open::Hidden) | None => false,
         };
         // Without all four, each must show clearly: the ground, too, has noise and is not quite flat.
-        let faint = |e: &End| (NEIGHBOUR + f64::EPSILON..CLEAR).contains(&e.strength);
+        let faint = |e: &End| !e.clear;
         if looks.iter().enumerate().any(wrong)
             || sides < 4 && ends.iter().flatten().any(faint)
             || sides < 4 && within_another
@@ -202,6 +222,12 @@ fn prove(
         return Some(Place {
             candidate: at,
             sides,
+            complete: ends
+                .iter()
+                .flatten()
+                .filter(|e| e.strength > NEIGHBOUR)
+                .count()
+                == 4,
             strength: ends.iter().flatten().map(|e| e.strength).sum(),
         });
     }

@@ -19,6 +19,8 @@ pub const REACH: isize = 6;
 /// How clearly a side shows that is all edge, in the least steps that count.
 const EDGE: f64 = 20.0;
 
+/// With less of an edge a step tells better where it is.
+const PLAIN_EDGE: f64 = 0.3;
 /// So many cells on both sides of a step must lie on the planes that make it.
 const CLOSE: isize = 8;
 /// How clearly a proven neighbour shows a side.
@@ -30,6 +32,8 @@ pub struct End {
     pub line: isize,
     /// How clearly it shows, in the least steps that count; less than one for a neighbour alone.
     pub strength: f64,
+    /// Not a mere piece of edge, as the corner of something nearer and its shadow leave on any line.
+    pub clear: bool,
 }
 
 /// A surface on which the sides of single cartons are looked for.
@@ -46,8 +50,6 @@ pub struct Shown<'a> {
 impl Shown<'_> {
     /// Where a carton ends close to a side of a candidate, if anything shows it.
     pub fn end(&self, c: &Candidate, side: usize, placed: &[Candidate]) -> Option<End> {
-        /// With less of an edge a step tells better where it is.
-        const PLAIN_EDGE: f64 = 0.3;
         /// So near to a step an edge is the same end, cells.
         const SAME: isize = 3;
         let edge = self.edge(c, side);
@@ -111,6 +113,7 @@ impl Shown<'_> {
         is_edge.then(|| End {
             line: line_of(&moved, side),
             strength: EDGE * share,
+            clear: share >= PLAIN_EDGE,
         })
     }
 
@@ -160,7 +163,15 @@ impl Shown<'_> {
         let extents = c.cells.map(|n| n as f64 * self.patch.pitch);
         let sign = if side.is_multiple_of(2) { -1.0 } else { 1.0 };
         let at = (side / 2, sign);
-        beyond(self.image, &frame, extents, at, self.tolerance).open > HALF
+        let seen = beyond(
+            self.image,
+            &frame,
+            extents,
+            at,
+            self.tolerance,
+            WIDEST_BLIND_GAP,
+        );
+        seen.open > HALF
     }
 
     /// Share of unknown cells along a side, in a strip outwards from it.
@@ -229,6 +240,7 @@ impl Shown<'_> {
         Some(End {
             line: line + sign * out,
             strength: strength.min(5.0),
+            clear: true,
         })
     }
 
@@ -286,6 +298,7 @@ impl Shown<'_> {
         Some(End {
             line: line as isize,
             strength: NEIGHBOUR,
+            clear: true,
         })
     }
 }
