@@ -10,10 +10,11 @@ use crate::{
     components::{Component, components},
     doubles::refuse_doubles,
     fold::place_by_folds,
-    gate::{DepthImage, gate},
+    gate::{DepthImage, LEAST_SMEAR, gate},
     leaning::leaning,
     neighbours::neighbours,
     obstacles::obstacle_points,
+    smeared::find_smeared,
     steps::surface_mask,
     support::believed,
     surface::{Surface, least_pixels},
@@ -60,7 +61,7 @@ pub fn detect_staged(
         return detection;
     }
     if settings.sizes.iter().any(is_usable) {
-        find_boxes(&image, settings, &mut detection, entered);
+        find_boxes(frame, &image, settings, &mut detection, entered);
     }
     entered(Stage::Obstacles);
     detection.obstacle_points = obstacle_points(&image, &detection.boxes, settings.obstacle_voxel);
@@ -134,6 +135,7 @@ fn is_usable(size: &BoxSize) -> bool {
 }
 
 fn find_boxes(
+    frame: &DepthFrame,
     image: &DepthImage,
     settings: &VisionSettings,
     detection: &mut Detection,
@@ -248,6 +250,19 @@ fn find_boxes(
     place_by_folds(&mut detection.boxes, image, settings);
     turn_together(&mut detection.boxes, &image.intrinsics);
     refuse_doubles(image, settings, detection);
+    if is_soft(settings) {
+        let (mut cleaned, mut as_seen) = (Vec::new(), settings.clone());
+        as_seen.smear_px = 0;
+        if let Some(smeared) = gate(frame, &mut cleaned, &as_seen) {
+            let more = find_smeared(&mask, image, &smeared, settings, smallest, detection);
+            keep_best(more, settings, detection);
+        }
+    }
+}
+
+/// True when outlines are known roughly and heights hardly: each height of the stack must be looked at as one.
+fn is_soft(settings: &VisionSettings) -> bool {
+    settings.smear_px >= LEAST_SMEAR
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.
@@ -275,7 +290,7 @@ fn nearer(a: &DetectedBox, b: &DetectedBox) -> std::cmp::Ordering {
 }
 
 /// True when the middle of one top lies well inside the other's, at about the same height.
-fn overlap(a: &DetectedBox, b: &DetectedBox) -> bool {
+pub fn overlap(a: &DetectedBox, b: &DetectedBox) -> bool {
     let reach = |d: &DetectedBox| d.size.width / 2.0;
     let inside = |a: &DetectedBox, b: &DetectedBox| {
         let p = a

@@ -225,7 +225,8 @@ pub fn block_noise(patch: &Patch, lag: usize) -> f64 {
     noise_of(&heights_of(patch), patch.columns / BLOCK, lag)
 }
 
-fn noise_of(heights: &[Option<f32>], columns: usize, lag: usize) -> f64 {
+/// Variance of a block's height by noise, square metres, from how much blocks of a row `lag` apart bend.
+pub fn noise_of(heights: &[Option<f32>], columns: usize, lag: usize) -> f64 {
     // Of a - 2 b + c for white noise: six variances; the median of a square is 0.455 of its mean.
     const PER_MEDIAN: f64 = 1.0 / (6.0 * 0.455);
     let mut bends: Vec<f64> = Vec::new();

@@ -179,6 +179,12 @@ impl ResampledRow {
         }
     }
 
+    /// Measured minus expected depth, metres; `None` where nothing was measured.
+    pub fn deeper(&self) -> impl Iterator<Item = Option<f32>> {
+        let known = |d: &f32| *d != NOTHING && *d != BEYOND;
+        self.deeper.iter().map(move |d| Some(*d).filter(known))
+    }
+
     /// 1 where something nearer hides the plane, or nothing was measured.
     #[inline(always)]
     pub fn unknown(&self, tolerance: f32) -> impl Iterator<Item = u8> {

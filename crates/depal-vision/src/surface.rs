@@ -197,6 +197,17 @@ impl Surface {
         Ok(bounds)
     }
 
+    /// Axes along its main direction, and its ranges along them, metres; `Err` when this is background.
+    pub fn layout(
+        &mut self,
+        mask: &[u8],
+        image: &DepthImage,
+        settings: &VisionSettings,
+    ) -> Result<(PlaneFrame, [[f64; 2]; 2]), RejectedSurface> {
+        let bounds = self.bounds(mask, image, settings)?;
+        Ok((self.frame.turned(bounds.yaw), [bounds.x, bounds.y]))
+    }
+
     /// Its plane in the middle of its bounds, X along its main direction.
     pub fn middle(&self, bounds: &Bounds) -> PlaneFrame {
         let frame = self.frame.turned(bounds.yaw);

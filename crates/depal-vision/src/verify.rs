@@ -284,8 +284,13 @@ pub fn sharp_tolerance(image: &DepthImage, frame: &PlaneFrame, settings: &Vision
 /// Pose with X along the long side, of its two directions the one towards positive camera X; within
 /// five degrees of square to it, the one towards positive camera Y.
 fn pose(fit: &RectangleFit, turned: bool) -> Pose {
-    let z = fit.frame.plane.normal();
-    let along = if turned { fit.frame.y } else { fit.frame.x };
+    pose_on(&fit.frame, turned)
+}
+
+/// The same of a rectangle in a frame.
+pub fn pose_on(frame: &PlaneFrame, turned: bool) -> Pose {
+    let z = frame.plane.normal();
+    let along = if turned { frame.y } else { frame.x };
     // Square to the camera's X the sign of X is chance: there Y decides, within five degrees.
     let square = along.x.abs() < 5f64.to_radians().sin();
     let forward = if square { along.y > 0.0 } else { along.x > 0.0 };
@@ -293,7 +298,7 @@ fn pose(fit: &RectangleFit, turned: bool) -> Pose {
     let x = (along - z * z.dot(&along)).normalize();
     let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
     Pose::from_parts(
-        Translation3::from(fit.frame.origin.coords),
+        Translation3::from(frame.origin.coords),
         Rotation::from_rotation_matrix(&rotation),
     )
 }

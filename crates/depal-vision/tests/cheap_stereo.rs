@@ -127,6 +127,29 @@ fn where_depth_allows_several_arrangements_the_right_one_is_found() {
     }
 }
 
+/// Both layers lie bare in part, the camera leans, and steps are smeared over up to 21 pixels.
+#[test]
+fn layers_smeared_over_twenty_pixels() {
+    let size = [0.4, 0.3];
+    for reach in [5, 7, 10] {
+        let mut score = Score::default();
+        for seed in 3050..3052 {
+            for upper in [1, 2] {
+                let cartons = two_layers(size, 2, 3, upper);
+                for degrees in [0.0, 10.0, -10.0] {
+                    let at = leaning(degrees);
+                    let mut frame = picture(&at, &shapes(&cartons), reach, seed);
+                    frame.intensity = Vec::new();
+                    let size = BoxSize::from_mm([size[0] * 1e3, size[1] * 1e3, HEIGHT * 1e3]);
+                    let settings = VisionSettings::new(vec![size]).suited_to(&frame);
+                    score.add(&at, &visible(&cartons), &detect(&frame, &settings).boxes);
+                }
+            }
+        }
+        most(&format!("reach {reach}"), &score, 0.9);
+    }
+}
+
 #[test]
 fn a_wrong_size_is_never_reported() {
     let cartons = two_layers([0.4, 0.3], 3, 3, 1);
