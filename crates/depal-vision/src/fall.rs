@@ -10,8 +10,8 @@ pub fn bridged(line: impl Iterator<Item = f32>, widest: usize) -> Vec<f32> {
         }
         if let Some(last) = last.filter(|l| (2..=widest + 1).contains(&(k - l))) {
             let (a, b) = (line[last], line[k]);
-            for n in last + 1..k {
-                line[n] = a + (b - a) * (n - last) as f32 / (k - last) as f32;
+            for (n, between) in line[last + 1..k].iter_mut().enumerate() {
+                *between = a + (b - a) * (n + 1) as f32 / (k - last) as f32;
             }
         }
         last = Some(k);

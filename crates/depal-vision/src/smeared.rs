@@ -240,8 +240,7 @@ fn layer(
         .enumerate()
         .map(|(n, tile)| report(&level, settings, tile, best.sides[n], best.spread[n]))
         .collect();
-    let agrees = |k: &&DetectedBox| all.iter().any(|b| is_same(b, k));
-    if !known.iter().all(|k| agrees(k)) {
+    if !known.iter().all(|k| all.iter().any(|b| is_same(b, k))) {
         return Layer::refused(RejectReason::Ambiguous);
     }
     if shortest < (smear as f64 + LEAST_PLANE) * cell {

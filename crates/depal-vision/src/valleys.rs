@@ -46,7 +46,7 @@ impl<'a> Valleys<'a> {
             }
         }
         if depths.len() >= 20 {
-            depths.sort_by(|a, b| a.total_cmp(b));
+            depths.sort_by(f64::total_cmp);
             let quartile = |k: usize| depths[k * (depths.len() - 1) / 4];
             valleys.noise = ((quartile(3) - quartile(1)) / 1.349).max(1e-4);
         }
