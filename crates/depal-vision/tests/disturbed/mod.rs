@@ -70,9 +70,9 @@ fn lose_clusters(depth: &mut [f32], width: usize, share: f64, r: &mut RandomStre
         while cluster.len() < wanted {
             let (u, v) = cluster[draw(r, cluster.len())];
             let next = match draw(r, 4) {
-                0 => (u + 1, v),
+                0 => (u.wrapping_add(1), v),
                 1 => (u.wrapping_sub(1), v),
-                2 => (u, v + 1),
+                2 => (u, v.wrapping_add(1)),
                 _ => (u, v.wrapping_sub(1)),
             };
             if !cluster.contains(&next) {
