@@ -27,7 +27,7 @@ const TORN: i32 = 2;
 /// Measured pixels that make one depth, the middle of them.
 const PIXELS: usize = 5;
 /// Distance of the lines across, pixels.
-const SPACING: f64 = 2.0;
+const SPACING: f64 = 6.0;
 
 /// A surface beneath which bearers come out.
 pub struct Board {
