@@ -10,7 +10,7 @@ use depal_frames::Vector;
 use crate::{
     DetectedBox, VisionSettings,
     ends::surface_end,
-    gate::{DepthImage, LEAST_SMEAR},
+    gate::DepthImage,
     patch::pixel_pitch,
     plane::PlaneFrame,
     sides::{Fitting, fit_rectangle},
@@ -28,7 +28,7 @@ pub fn place_between_ends(
     settings: &VisionSettings,
 ) {
     // A smeared surface does not end at a pixel.
-    if settings.smear_px >= LEAST_SMEAR {
+    if settings.is_smeared() {
         return;
     }
     for found in boxes {

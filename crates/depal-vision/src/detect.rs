@@ -10,7 +10,7 @@ use crate::{
     components::{Component, components},
     doubles::refuse_doubles,
     fold::place_by_folds,
-    gate::{DepthImage, LEAST_SMEAR, gate},
+    gate::{DepthImage, gate},
     leaning::leaning,
     neighbours::neighbours,
     obstacles::obstacle_points,
@@ -250,7 +250,8 @@ fn find_boxes(
     place_by_folds(&mut detection.boxes, image, settings);
     turn_together(&mut detection.boxes, &image.intrinsics);
     refuse_doubles(image, settings, detection);
-    if is_soft(settings) {
+    // Outlines are known roughly there: each height of the stack must be looked at as one.
+    if settings.is_smeared() {
         let (mut cleaned, mut as_seen) = (Vec::new(), settings.clone());
         as_seen.smear_px = 0;
         if let Some(smeared) = gate(frame, &mut cleaned, &as_seen) {
@@ -258,11 +259,6 @@ fn find_boxes(
             keep_best(more, settings, detection);
         }
     }
-}
-
-/// True when outlines are known roughly and heights hardly: each height of the stack must be looked at as one.
-fn is_soft(settings: &VisionSettings) -> bool {
-    settings.smear_px >= LEAST_SMEAR
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.

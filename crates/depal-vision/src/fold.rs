@@ -12,10 +12,7 @@ use depal_frames::Vector;
 use strip::Strip;
 
 use crate::{
-    DetectedBox, VisionSettings,
-    gate::{DepthImage, LEAST_SMEAR},
-    patch::pixel_pitch,
-    plane::PlaneFrame,
+    DetectedBox, VisionSettings, gate::DepthImage, patch::pixel_pitch, plane::PlaneFrame,
     verify::sharp_tolerance,
 };
 
@@ -66,7 +63,7 @@ pub fn place_by_folds(boxes: &mut [DetectedBox], image: &DepthImage, settings: &
     /// The second time the places of the first blur the common fall no more.
     const ROUNDS: usize = 2;
     // Smeared steps and averaged depths have no edge that could be told from a round one.
-    if settings.smear_px >= LEAST_SMEAR || settings.average_px > 0 {
+    if settings.is_smeared() || settings.average_px > 0 {
         return;
     }
     let tolerances: Vec<f64> = boxes

@@ -68,7 +68,7 @@ pub fn gate<'a>(
             }
         }
     });
-    let smeared = settings.smear_px >= LEAST_SMEAR;
+    let smeared = settings.is_smeared();
     let noisy = settings.average_px > 0;
     if odd != 0 || smeared || noisy {
         cleaned.extend(

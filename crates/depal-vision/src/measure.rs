@@ -7,7 +7,7 @@ use crate::{
     arrange::UNEVEN,
     beyond::beyond,
     ends::surface_end,
-    gate::{DepthImage, LEAST_SMEAR},
+    gate::DepthImage,
     parted::{Parting, parting},
     patch::Patch,
     plane::PlaneFrame,
@@ -24,7 +24,7 @@ const MOST_SIDE: f64 = 0.80;
 const WHOLE: f64 = 0.93;
 /// Cartons of unknown size are told apart by gaps, whose bottom and walls are dark where the projector does not reach
 /// them. All four sides of one end as straight as it does; the narrowest tape, which would end as straight, has 36 mm.
-const WIDEST_BLIND_GAP: f64 = 0.034;
+const WIDEST_DARK_GAP: f64 = 0.034;
 /// Axis and sign of each side.
 const SIDES: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];
 
@@ -79,7 +79,7 @@ pub fn measure_whole(
         _ => Standing::InQuestion,
     };
     // A smeared step has no outermost pixel.
-    if settings.smear_px < LEAST_SMEAR {
+    if !settings.is_smeared() {
         let tolerance = sharp.min(settings.plane_tolerance);
         found = measured(image, found, tolerance, patch.pitch);
     }
@@ -122,7 +122,7 @@ pub fn is_free(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> bool 
     let frame = PlaneFrame::of_top(found);
     let extents = [found.size.length, found.size.width];
     SIDES.iter().all(|side| {
-        let seen = beyond(image, &frame, extents, *side, tolerance, WIDEST_BLIND_GAP);
+        let seen = beyond(image, &frame, extents, *side, tolerance, WIDEST_DARK_GAP);
         seen.hidden <= MOST_HIDDEN && seen.over <= MOST_OVER
     })
 }
@@ -141,7 +141,7 @@ fn ending(image: &DepthImage, found: &DetectedBox, tolerance: f64) -> (Ending, [
     let mut thin = 0;
     let mut blind = [false; 4];
     for (side, blind) in SIDES.into_iter().zip(&mut blind) {
-        let seen = beyond(image, &frame, extents, side, tolerance, WIDEST_BLIND_GAP);
+        let seen = beyond(image, &frame, extents, side, tolerance, WIDEST_DARK_GAP);
         if seen.open + seen.narrow + seen.beside < LEAST_OPEN
             || seen.hidden > MOST_HIDDEN
             || seen.over > MOST_OVER

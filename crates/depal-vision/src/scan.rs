@@ -55,41 +55,46 @@ const TOGETHER: usize = 16;
 /// Stands for the pixel of a place beyond the image.
 const OUTSIDE: i32 = -1;
 
-/// Scan lines `stride` apart across the side in direction `sign` of an axis of a rectangle of `extents`, from `reach`
-/// inside of where it is expected to `reach` beyond, metres.
-pub fn scan(
-    image: &DepthImage,
-    frame: &PlaneFrame,
-    extents: [f64; 2],
-    axis: usize,
-    sign: f64,
-    reach: f64,
-    stride: f64,
-    tolerance: f64,
-    least_seen: f64,
-) -> ScanLines {
-    with_widest_vectors(
-        #[inline(always)]
-        || {
-            scan_lines(
-                image, frame, extents, axis, sign, reach, stride, tolerance, least_seen,
-            )
-        },
-    )
+/// What is to be looked across: lengths in metres.
+pub struct Scan<'a> {
+    pub image: &'a DepthImage<'a>,
+    /// Origin in the middle of a rectangle of `extents`.
+    pub frame: &'a PlaneFrame,
+    pub extents: [f64; 2],
+    /// Axis and direction of the side.
+    pub side: (usize, f64),
+    /// From so far inside of where the side is expected to so far beyond it.
+    pub reach: f64,
+    /// Distance of the lines.
+    pub stride: f64,
+    /// How far a point of the surface lies from the plane at most.
+    pub tolerance: f64,
+    /// Share of the lines that must leave the surface elsewhere than into a shadow, or shadows count too.
+    pub least_seen: f64,
+}
+
+impl Scan<'_> {
+    /// Where each line leaves the surface.
+    pub fn lines(&self) -> ScanLines {
+        with_widest_vectors(
+            #[inline(always)]
+            || scan_lines(self),
+        )
+    }
 }
 
 #[inline(always)]
-fn scan_lines(
-    image: &DepthImage,
-    frame: &PlaneFrame,
-    extents: [f64; 2],
-    axis: usize,
-    sign: f64,
-    reach: f64,
-    stride: f64,
-    tolerance: f64,
-    least_seen: f64,
-) -> ScanLines {
+fn scan_lines(scan: &Scan) -> ScanLines {
+    let &Scan {
+        image,
+        frame,
+        extents,
+        side: (axis, sign),
+        reach,
+        stride,
+        tolerance,
+        least_seen,
+    } = scan;
     let k: &Intrinsics = &image.intrinsics;
     let (outward, tangent) = if axis == 0 {
         (frame.x * sign, frame.y * sign)

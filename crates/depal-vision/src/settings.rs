@@ -1,5 +1,7 @@
 use depal_frames::{BoxSize, Point, Pose, Vector};
 
+use crate::gate::LEAST_SMEAR;
+
 /// An oriented box in space; only points inside it can belong to a reported carton.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionOfInterest {
@@ -66,6 +68,11 @@ pub struct VisionSettings {
 }
 
 impl VisionSettings {
+    /// True where steps are smeared so far that they are put back: sides are known roughly then, heights beside them not.
+    pub(crate) fn is_smeared(&self) -> bool {
+        self.smear_px >= LEAST_SMEAR
+    }
+
     /// Defaults for a structured-light camera 1.5 to 4 m above the cartons.
     pub fn new(sizes: Vec<BoxSize>) -> Self {
         Self {

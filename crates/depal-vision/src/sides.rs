@@ -4,7 +4,7 @@ use crate::{
     gate::DepthImage,
     patch::pixel_pitch,
     plane::PlaneFrame,
-    scan::{ScanLines, scan},
+    scan::{Scan, ScanLines},
 };
 
 /// What was measured at one side.
@@ -84,7 +84,6 @@ pub fn fit_rectangle(
     let mut sides = [SideFit::default(); 4];
     for &(reach, stride) in fitting.passes {
         let lines = [0, 1, 2, 3].map(|side| {
-            let (axis, sign) = OUTWARD[side];
             if !fitting.sides[side] {
                 return ScanLines {
                     crossings: Vec::new(),
@@ -92,17 +91,17 @@ pub fn fit_rectangle(
                     shadowed: false,
                 };
             }
-            scan(
+            Scan {
                 image,
-                &frame,
+                frame: &frame,
                 extents,
-                axis,
-                sign,
-                reach * pitch + 0.001,
-                stride * pitch,
+                side: OUTWARD[side],
+                reach: reach * pitch + 0.001,
+                stride: stride * pitch,
                 tolerance,
                 least_seen,
-            )
+            }
+            .lines()
         });
         let (turn, fitted) = fit_lines(&lines, pitch, fitting);
         sides = fitted;
@@ -161,15 +160,23 @@ pub fn edge_inside(
     frame: &PlaneFrame,
     extents: [f64; 2],
     tolerance: f64,
-    (axis, sign): (usize, f64),
+    side: (usize, f64),
     reach: f64,
 ) -> Option<f64> {
     /// Share of the scan lines that must end in it.
     const MOST_OF_IT: f64 = 0.5;
     let stride = 2.0 * pixel_pitch(frame, &image.intrinsics);
-    let found = scan(
-        image, frame, extents, axis, sign, reach, stride, tolerance, MOST_OF_IT,
-    );
+    let found = Scan {
+        image,
+        frame,
+        extents,
+        side,
+        reach,
+        stride,
+        tolerance,
+        least_seen: MOST_OF_IT,
+    }
+    .lines();
     let enough = found.crossings.len() as f64 >= MOST_OF_IT * found.lines as f64;
     if found.shadowed || !enough {
         return None;

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Rotation3, Translation3};
 use crate::{
     DetectedBox, RejectReason, VisionSettings,
     class::Class,
-    gate::{DepthImage, LEAST_SMEAR},
+    gate::DepthImage,
     overhang::is_overhung,
     patch::pixel_pitch,
     plane::{PlaneFrame, fit_plane},
@@ -129,7 +129,7 @@ fn check(
     };
     // The wall of a neighbour that is seen inside a gap lies on the plane as deep as the tolerance. Where steps are
     // smeared, the face itself sags towards its sides.
-    let sharp = if proof == Proof::Outline && settings.smear_px < LEAST_SMEAR {
+    let sharp = if proof == Proof::Outline && !settings.is_smeared() {
         tolerance.min((SHARP * rms).max(LEAST_SHARP))
     } else {
         tolerance

@@ -1,11 +1,16 @@
 use std::f64::consts::PI;
 
-use depal_camera::{CameraSpec, RenderShape, SensorSpec, render, sense};
-use depal_frames::{DepthFrame, Intrinsics, Pose, Rotation, Shape, Vector};
+use cameras::camera;
+use depal_camera::{RenderShape, SensorSpec, render, sense};
+use depal_frames::{DepthFrame, Pose, Rotation, Shape, Vector};
 use depal_time::{RandomStream, RandomStreams};
 
 use super::mended;
 use crate::outliers::without_outliers;
+
+#[path = "../../tests/rendered/cameras.rs"]
+#[allow(dead_code)]
+mod cameras;
 
 const SIDE: usize = 320;
 const LEVEL: f32 = 0.01;
@@ -93,20 +98,7 @@ fn layer(gap: f64, below: f64, sensor: SensorSpec, seed: u64) -> DepthFrame {
         let middle = [(0.3 + gap) * i, (0.2 + gap) * j, top / 2.0];
         shapes.push(solid(middle, [0.3, 0.2, top]));
     }
-    let spec = CameraSpec {
-        intrinsics: Intrinsics {
-            width: 1280,
-            height: 1024,
-            fx: 1600.0,
-            fy: 1600.0,
-            cx: 639.5,
-            cy: 511.5,
-        },
-        near: 0.5,
-        far: 5.0,
-        baseline: 0.3,
-        sensor,
-    };
+    let spec = camera(sensor);
     let at = Pose::from_parts(
         Vector::new(0.0, 0.0, 0.75 + below).into(),
         Rotation::new(Vector::x() * PI),

@@ -5,6 +5,9 @@ use depal_camera::{CameraSpec, Decal, Material, RenderShape, SensorSpec};
 use depal_frames::{Intrinsics, Pose, Shape};
 use depal_vision::calibration::CircleBoard;
 
+#[path = "../rendered/cameras.rs"]
+mod cameras;
+
 pub const BOARD: CircleBoard = CircleBoard {
     columns: 9,
     rows: 7,
@@ -16,21 +19,16 @@ pub const BOARD_ID: u32 = 77;
 /// Thickness, metres.
 const PLATE: f64 = 0.01;
 
-/// 1280 x 1024, 1.25 mm per pixel at 2 m.
+/// That of the layers, its axis half a pixel farther right and down.
 pub fn camera(sensor: SensorSpec) -> CameraSpec {
+    let spec = cameras::camera(sensor);
     CameraSpec {
         intrinsics: Intrinsics {
-            width: 1280,
-            height: 1024,
-            fx: 1600.0,
-            fy: 1600.0,
             cx: 640.0,
             cy: 512.0,
+            ..spec.intrinsics
         },
-        near: 0.5,
-        far: 5.0,
-        baseline: 0.3,
-        sensor,
+        ..spec
     }
 }
 
