@@ -12,7 +12,7 @@ use crate::{
     patch::Patch,
     proven::proven,
     relief::Relief,
-    seams::{LEAST_LINE, any_seam, islands, seams_seen, touches, widest_gap},
+    seams::{LEAST_LINE, any_seam, islands, may_be_parts, seams_seen, touches, widest_gap},
     search::Candidate,
     shown::Shown,
     unknown::Unknown,
@@ -219,10 +219,12 @@ fn arrange_with(open: &Open, fixed: &[Candidate], unbroken: bool) -> Option<Arra
     // size stands proven beside them, or there are many of them and the gaps that are seen are so
     // narrow that others may well be invisible.
     let islands = islands(&best, patch, &breaks, !level && !patch.is_smeared());
+    let together = |b: usize| islands.iter().filter(|&&i| i == islands[b]).count();
+    // Halves of cartons lie level in twos, all of them; whole ones only by chance.
+    let whole = level || patch.is_smeared() || !may_be_parts(&best, &islands, patch.pitch);
     let believable = |b: usize| {
-        let together = islands.iter().filter(|&&i| i == islands[b]).count();
-        together == 1
-            || narrow && best.len() >= LEAST_WITHOUT_SEAM
+        together(b) == 1
+            || narrow && whole && best.len() >= LEAST_WITHOUT_SEAM
             || fixed.iter().any(|f| f.label == best[b].label)
             || beside.contains(&best[b].label)
     };

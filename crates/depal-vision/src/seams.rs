@@ -8,6 +8,9 @@ pub const SEEN_SEAM: f64 = 0.1;
 /// Share of dark line from which on it is one.
 pub const LEAST_LINE: f64 = 0.6;
 
+/// Boxes in a row lie at most so far apart and beside the row, metres: farther and the gap is seen.
+const LEVEL_ROW: f64 = 0.005;
+
 /// True when a side between two boxes shows a seam.
 pub fn any_seam(boxes: &[Candidate], pitch: f64) -> bool {
     boxes.iter().any(|a| {
@@ -84,6 +87,37 @@ pub fn islands(boxes: &[Candidate], patch: &Patch, breaks: &Breaks, unlevel: boo
         }
     }
     island
+}
+
+/// True when the boxes may as well be parts of larger cartons: two, three or more in a row, all along their length or
+/// all across it, of one island (as of [`islands`]) each, none left over.
+pub fn may_be_parts(boxes: &[Candidate], islands: &[usize], pitch: f64) -> bool {
+    let near = (LEVEL_ROW / pitch).ceil() as usize;
+    let next = |b: usize, axis: usize| {
+        (0..boxes.len()).find(|&o| {
+            islands[b] == islands[o]
+                && boxes[o].label == boxes[b].label
+                && boxes[o].turned == boxes[b].turned
+                && (boxes[b].first[axis] + boxes[b].cells[axis]).abs_diff(boxes[o].first[axis])
+                    <= near
+                && boxes[b].first[1 - axis].abs_diff(boxes[o].first[1 - axis]) <= near
+        })
+    };
+    [false, true].iter().any(|across| {
+        let axis = |b: usize| usize::from(boxes[b].turned != *across);
+        let followed: Vec<Option<usize>> = (0..boxes.len()).map(|b| next(b, axis(b))).collect();
+        let starts = (0..boxes.len()).filter(|b| !followed.contains(&Some(*b)));
+        let length = |b: usize| std::iter::successors(Some(b), |b| followed[*b]).count();
+        starts.map(length).fold(0, greatest_common_divisor) > 1
+    })
+}
+
+fn greatest_common_divisor(a: usize, b: usize) -> usize {
+    if b == 0 {
+        a
+    } else {
+        greatest_common_divisor(b, a % b)
+    }
 }
 
 /// True when `other` lies directly beyond side `side` (-X, +X, -Y, +Y) of `b`, within 10 mm, along
