@@ -6,6 +6,8 @@ use crate::files::EMBEDDED;
 
 /// Folder of the scenes and their programs in the source tree: looked into when a bare name is not found.
 const SCENES: &str = "scenes";
+/// What an editor reads and no command does.
+const SCHEMA: &str = ".schema.json";
 /// A longer list of names says nothing.
 const MOST_NAMES: usize = 20;
 /// From this likeness of two names on one is taken for a slip in writing the other.
@@ -69,7 +71,7 @@ fn files_of(folder: &str) -> Vec<String> {
         .flatten()
         .filter(|entry| entry.file_type().is_ok_and(|kind| !kind.is_dir()))
         .filter_map(|entry| entry.file_name().into_string().ok())
-        .filter(|name| !name.starts_with('.'))
+        .filter(|name| !name.starts_with('.') && !name.ends_with(SCHEMA))
         .map(|name| match folder {
             "" => name,
             folder => format!("{folder}/{name}"),

@@ -70,14 +70,12 @@ pub fn arrange(open: &Open, fixed: &[Candidate]) -> Option<Arrangement> {
         tolerance,
         ..
     } = *open;
-    // Where steps are smeared, so are the heights beside them.
-    if patch.is_smeared() {
+    // Where steps are smeared, so are the heights beside them; and a plane has none.
+    if patch.is_smeared() || is_one_plane(patch) {
         return arrange_with(open, fixed, false);
     }
-    // Cartons that are one plane each first: most wrong readings need others, and there are many of those.
-    let strict = arrange_with(open, fixed, true).or_else(|| arrange_with(open, fixed, false));
-    if strict.is_some() || is_one_plane(patch) {
-        return strict;
+    if let Some(exact) = arrange_with(open, fixed, true) {
+        return Some(exact);
     }
     let unknown = Unknown::new(image, patch, tolerance);
     let relief = Relief::new(patch);
@@ -141,9 +139,9 @@ fn arrange_with(open: &Open, fixed: &[Candidate], unbroken: bool) -> Option<Arra
     }
     let as_one = relief.misfit(readings.first()?);
     let level = patch.averaged || as_one.squares < UNLEVEL * least.mean() * as_one.blocks as f64;
-    // Heights prove nothing on a level surface.
+    // Heights prove nothing on a level surface, nor do breaks.
     if unbroken && level {
-        return None;
+        return arrange_with(open, fixed, false);
     }
     let lead = if level {
         CLEAR_LEAD_WHEN_LEVEL

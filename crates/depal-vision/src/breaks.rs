@@ -58,6 +58,16 @@ impl<'a> Breaks<'a> {
 
     /// True when a line across the candidate parts it into two planes that do not meet there.
     pub fn within(&self, candidate: &Candidate) -> bool {
+        self.parts(candidate) && {
+            // What is farther away has more noise than most, and it hangs together over more blocks.
+            let [i, j] = self.relief.blocks_of(candidate);
+            let noise = self.relief.noise_within(&i, &j);
+            noise <= self.noise || Self { noise, ..*self }.parts(candidate)
+        }
+    }
+
+    /// The same for the noise that is everywhere.
+    fn parts(&self, candidate: &Candidate) -> bool {
         /// A step that counts makes the candidate so much less plane than noise does.
         const LEAST_MISFIT: f64 = 1.2;
         let plane = self.relief.misfit(&[*candidate]);

@@ -96,6 +96,16 @@ impl Relief {
         noise_of(&self.heights, self.columns, lag)
     }
 
+    /// The same of some columns and rows of blocks, of those next to each other or of every other one: the larger.
+    pub fn noise_within(&self, i: &Range<usize>, j: &Range<usize>) -> f64 {
+        let row = |j: usize| &self.heights[j * self.columns..][i.clone()];
+        let heights: Vec<Option<f32>> = j.clone().flat_map(row).copied().collect();
+        f64::max(
+            noise_of(&heights, i.len(), 1),
+            noise_of(&heights, i.len(), 2),
+        )
+    }
+
     /// How badly one plane explains the heights within candidates: over their whole blocks.
     pub fn misfit(&self, candidates: &[Candidate]) -> PlaneMisfit {
         let mut sums = [0.0; 10];
