@@ -25,6 +25,8 @@ const STRIDE: usize = 8;
 const SIZE_OFF: isize = 3;
 /// Overlap of two cartons that inexact places make.
 const OVERLAP: f64 = 0.05;
+/// Overlap from which on two places are one carton's.
+const SAME: f64 = 0.8;
 /// Share of a place that must be surface or unknown.
 const WHOLE: f64 = 0.96;
 
@@ -101,9 +103,15 @@ pub fn proven(
             seen_whole[place.candidate.label as usize] = true;
         }
         found.retain(|place| seen_whole[place.candidate.label as usize]);
-        for Place { candidate: c, .. } in found {
+        // Of two that show as many of their sides neither is proven, unless all of them show.
+        let rivals = found.clone();
+        for Place { candidate: c, sides, .. } in found {
             let clear = |p: &Candidate| p.overlap(&c).max(c.overlap(p)) < OVERLAP;
-            if placed.iter().all(clear) {
+            let is_rival = |r: &&Place| {
+                let shared = r.candidate.overlap(&c).max(c.overlap(&r.candidate));
+                r.sides == sides && sides < 4 && (OVERLAP..SAME).contains(&shared)
+            };
+            if placed.iter().all(clear) && !rivals.iter().any(|r| is_rival(&r)) {
                 placed.push(c);
             }
         }
