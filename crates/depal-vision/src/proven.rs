@@ -221,6 +221,7 @@ fn prove(
         if looks.iter().enumerate().any(wrong)
             || sides < 4 && ends.iter().flatten().any(faint)
             || sides < 4 && within_another
+            || sides < 4 && !shown.breaks.is_one_plane(&at)
             || sides < LEAST_SHOWN && !corner()
             || may_be_larger(shown, &at, hidden, kinds)
             || has_seam(shown.patch, &at)
