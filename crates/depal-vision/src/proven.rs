@@ -105,7 +105,12 @@ pub fn proven(
         found.retain(|place| seen_whole[place.candidate.label as usize]);
         // Of two that show as many of their sides neither is proven, unless all of them show.
         let rivals = found.clone();
-        for Place { candidate: c, sides, .. } in found {
+        for Place {
+            candidate: c,
+            sides,
+            ..
+        } in found
+        {
             let clear = |p: &Candidate| p.overlap(&c).max(c.overlap(p)) < OVERLAP;
             let is_rival = |r: &&Place| {
                 let shared = r.candidate.overlap(&c).max(c.overlap(&r.candidate));

@@ -79,6 +79,29 @@ fn cartons_with_gaps_are_found_with_pixels_lost_in_clusters() {
     }
 }
 
+/// Where no gap shows, heights alone part cartons: what was lost there must not make two of one.
+#[test]
+fn level_seams_with_pixels_lost_in_clusters_make_no_other_cartons() {
+    for (share, least) in [(0.02, 0.98), (0.03, 0.98), (0.05, 0.9)] {
+        let mut total = Score::default();
+        for layout in LAYOUTS {
+            for seed in 100..106 {
+                let (cartons, frame) = taken(layout, 0.0, seed);
+                let frame = Disturbance::Clusters(share).of(&frame, seed);
+                total.absorb(score(&cartons, &seen(layout, &frame)));
+            }
+        }
+        let case = format!("{share}: {}", total.line());
+        let most_false = if share < 0.05 {
+            0.0
+        } else {
+            0.01 * total.wanted as f64
+        };
+        assert!(total.false_positives as f64 <= most_false, "{case}");
+        assert!(total.found as f64 >= least * total.wanted as f64, "{case}");
+    }
+}
+
 #[test]
 fn single_wrong_depths_and_cameras_own_filters_hide_no_carton() {
     for disturbance in [Disturbance::Outliers(0.005), Disturbance::Median] {
