@@ -188,17 +188,20 @@ impl Look<'_> {
         let outward = [self.frame.x, self.frame.y][axis] * sign;
         let normal = self.frame.plane.normal();
         let k = &self.image.intrinsics;
+        let (width, height) = (self.image.width as f64, self.image.height as f64);
         // Outside the image; not measured; measured.
         let at = |steps: i32| -> Option<Option<Bearer>> {
             let (u, v) = k.project(&(from + outward * (f64::from(steps) * self.pitch)));
-            let (u, v) = (u.round(), v.round());
-            let inside =
-                u >= 0.0 && v >= 0.0 && u < self.image.width as f64 && v < self.image.height as f64;
+            let (u, v) = (u + 0.5, v + 0.5);
+            let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
             inside.then(|| {
+                let (u, v) = (u as u32, v as u32);
                 let z = self.image.depth[v as usize * self.image.width + u as usize];
-                let place = k.deproject(u, v, f64::from(z));
-                let drop = (self.frame.origin - place).dot(&normal);
-                (z > 0.0).then_some(Bearer { place, drop })
+                (z > 0.0).then(|| {
+                    let place = k.deproject(f64::from(u), f64::from(v), f64::from(z));
+                    let drop = (self.frame.origin - place).dot(&normal);
+                    Bearer { place, drop }
+                })
             })
         };
         let is_on =

@@ -4,6 +4,8 @@
 //! the camera loses; that differs between cameras and between what lies beyond the sides. The place where the share of
 //! pixels that are surface falls hardly depends on it.
 
+use depal_frames::Point;
+
 use crate::{gate::DepthImage, plane::PlaneFrame};
 
 /// Of the outermost pixels of a surface a camera loses or mixes up to four in ten, beyond them one in twenty shows it:
@@ -51,18 +53,19 @@ pub fn surface_end(
     let mut pixels: Vec<(f64, bool)> = Vec::new();
     for v in range(|c| c.1, image.height) {
         for u in columns.clone() {
-            let (x, y) = frame.of_pixel(k, u as f64, v as f64);
+            let ray = k.ray(u as f64, v as f64);
+            let expected = frame.plane.depth(&ray);
+            let (x, y) = frame.of_point(&Point::from(ray * expected));
             let (across, along) = if axis == 0 { (x, y) } else { (y, x) };
             let beyond = sign * across - half;
             if along.abs() > reach || beyond < window[0] || beyond > window[1] {
                 continue;
             }
             let z = f64::from(image.depth[v * image.width + u]);
-            let expected = frame.plane.depth(&k.ray(u as f64, v as f64));
             pixels.push((beyond, z > 0.0 && (z - expected).abs() <= tolerance));
         }
     }
-    pixels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pixels.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     // The sum of (surface - SHARE) from inside outwards is greatest where the share falls below it; between two
     // rows of pixels, and but for a few pixels, it is as great over a whole range: the end is in its middle.
     let enough = ENDED * SHARE * pixels.len() as f64 / (WINDOW[1] - WINDOW[0]);

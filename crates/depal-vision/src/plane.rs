@@ -152,7 +152,12 @@ impl PlaneFrame {
 
     /// Coordinates of a pixel's ray on the plane, metres.
     pub fn of_pixel(&self, intrinsics: &Intrinsics, u: f64, v: f64) -> (f64, f64) {
-        let offset = self.plane.meet(&intrinsics.ray(u, v)) - self.origin;
+        self.of_point(&self.plane.meet(&intrinsics.ray(u, v)))
+    }
+
+    /// Coordinates of a point of the plane, metres.
+    pub fn of_point(&self, point: &Point) -> (f64, f64) {
+        let offset = point - self.origin;
         (offset.dot(&self.x), offset.dot(&self.y))
     }
 
