@@ -152,7 +152,7 @@ fn equally(tolerance: f64) -> f64 {
 }
 
 /// A bearer where a line across a side meets it.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Bearer {
     place: Point,
     /// How deep beneath the surface, metres.
@@ -208,10 +208,20 @@ impl Look<'_> {
             |steps: i32| matches!(at(steps), Some(Some(b)) if b.drop.abs() <= self.tolerance);
         let last = BORDER.rev().find(|&steps| is_on(steps))?;
         let end = last + (REACH / self.pitch) as i32;
-        let mut seen: Vec<Bearer> = Vec::with_capacity(PIXELS);
+        let mut seen = [Bearer::default(); PIXELS];
+        let (mut count, mut level) = (0, 0);
         for steps in last + TORN..=end {
-            seen.extend(at(steps)?);
-            if seen.len() == PIXELS {
+            let Some(measured) = at(steps)? else {
+                continue;
+            };
+            // Where most of them lie as high as the surface, so does the middle one.
+            level += usize::from(measured.drop < THICK.start);
+            if level > PIXELS / 2 {
+                return None;
+            }
+            seen[count] = measured;
+            count += 1;
+            if count == PIXELS {
                 seen.sort_by(|a, b| a.drop.total_cmp(&b.drop));
                 let middle = seen[PIXELS / 2];
                 // The wall of a neighbour, seen through a gap, falls by millimetres from pixel to pixel.
