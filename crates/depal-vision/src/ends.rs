@@ -4,8 +4,6 @@
 //! the camera loses; that differs between cameras and between what lies beyond the sides. The place where the share of
 //! pixels that are surface falls hardly depends on it.
 
-use depal_frames::Point;
-
 use crate::{gate::DepthImage, plane::PlaneFrame};
 
 /// Of the outermost pixels of a surface a camera loses or mixes up to four in ten, beyond them one in twenty shows it:
@@ -52,13 +50,11 @@ pub fn surface_end(
     let columns = range(|c| c.0, image.width);
     let mut pixels: Vec<(f64, bool)> = Vec::new();
     for v in range(|c| c.1, image.height) {
+        let row = frame.of_row(k, v as f64);
         for u in columns.clone() {
-            let ray = k.ray(u as f64, v as f64);
-            let expected = frame.plane.depth(&ray);
-            let (x, y) = frame.of_point(&Point::from(ray * expected));
-            let (across, along) = if axis == 0 { (x, y) } else { (y, x) };
-            let beyond = sign * across - half;
-            if along.abs() > reach || beyond < window[0] || beyond > window[1] {
+            let (place, expected) = row.at(u as f64);
+            let beyond = sign * place[axis] - half;
+            if place[1 - axis].abs() > reach || beyond < window[0] || beyond > window[1] {
                 continue;
             }
             let z = f64::from(image.depth[v * image.width + u]);

@@ -62,7 +62,9 @@ fn rising<'a>(
 ) -> impl Iterator<Item = bool> + 'a {
     let (k, plane) = (&image.intrinsics, &surface.frame.plane);
     // 1/z of a plane is affine along a row.
-    let first = plane.coefficient.dot(&k.ray(run.first as f64, run.row as f64));
+    let first = plane
+        .coefficient
+        .dot(&k.ray(run.first as f64, run.row as f64));
     let per_column = plane.coefficient.x / k.fx;
     let depths = &image.depth[run.row * image.width..][run.first..=run.last];
     depths.iter().enumerate().map(move |(n, &z)| {

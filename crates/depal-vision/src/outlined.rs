@@ -23,7 +23,8 @@ pub fn outlined(
     let candidates = search(patch, &settings.sizes, settings.min_visible);
     // Where steps are smeared, heights beside them say nothing.
     let relief = (!candidates.is_empty() && !patch.is_smeared()).then(|| patch.relief());
-    let breaks = relief.map(|relief| Breaks::new(relief, relief.noise(1), settings.plane_tolerance * UNEVEN));
+    let breaks = relief
+        .map(|relief| Breaks::new(relief, relief.noise(1), settings.plane_tolerance * UNEVEN));
     for candidate in candidates {
         let start = start_frame(patch, &candidate);
         match verify(
