@@ -11,7 +11,6 @@ use crate::{
     parts::{is_needless, only_parts},
     patch::Patch,
     proven::proven,
-    relief::Relief,
     seams::{LEAST_LINE, any_seam, islands, may_be_parts, seams_seen, touches, widest_gap},
     search::Candidate,
     shown::Shown,
@@ -78,14 +77,14 @@ pub fn arrange(open: &Open, fixed: &[Candidate]) -> Option<Arrangement> {
         return Some(exact);
     }
     let unknown = Unknown::new(image, patch, tolerance);
-    let relief = Relief::new(patch);
+    let relief = patch.relief();
     let shown = Shown {
         image,
         patch,
         tolerance,
-        relief: &relief,
+        relief,
         breaks: &Breaks::new(
-            &relief,
+            relief,
             relief.noise(1).max(relief.noise(2)),
             tolerance * UNEVEN,
         ),
@@ -103,7 +102,7 @@ pub fn arrange(open: &Open, fixed: &[Candidate]) -> Option<Arrangement> {
 
 /// True when all heights of a patch make one plane, as those of a pallet or a floor do: nothing proves a carton there.
 fn is_one_plane(patch: &Patch) -> bool {
-    let relief = Relief::new(patch);
+    let relief = patch.relief();
     let all = Candidate {
         label: 0,
         turned: false,
@@ -126,11 +125,8 @@ fn arrange_with(open: &Open, fixed: &[Candidate], unbroken: bool) -> Option<Arra
         beside,
     } = *open;
     let uneven = tolerance * UNEVEN;
-    let Covering {
-        least,
-        readings,
-        relief,
-    } = cover(patch, sizes, fixed, unbroken.then_some(uneven))?;
+    let relief = patch.relief();
+    let Covering { least, readings } = cover(patch, sizes, fixed, unbroken.then_some(uneven))?;
     // Even the best reading leaves steps in the middle of cartons: the right one is not among them.
     let noise = lags(patch).iter().map(|&lag| relief.noise(lag));
     let most = MOST_NOISE * noise.fold(0.0, f64::max) + uneven * uneven;
@@ -159,7 +155,7 @@ fn arrange_with(open: &Open, fixed: &[Candidate], unbroken: bool) -> Option<Arra
         let all = readings.clone();
         readings.retain(|finer| {
             !all.iter()
-                .any(|coarser| is_needless(finer, coarser, &relief, least.mean()))
+                .any(|coarser| is_needless(finer, coarser, relief, least.mean()))
         });
     }
     // Lines in the intensity image are seams as well.
@@ -183,7 +179,7 @@ fn arrange_with(open: &Open, fixed: &[Candidate], unbroken: bool) -> Option<Arra
     let merit = |r: &Vec<Candidate>| merit(r, fixed, patch.pitch);
     readings.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
     let best = readings.first()?.clone();
-    let breaks = Breaks::new(&relief, relief.noise(1), uneven);
+    let breaks = Breaks::new(relief, relief.noise(1), uneven);
     unique |= seams_seen(&best, patch.pitch) >= MOST_SEAMS;
     // One carton in a pit of higher ones stands on nothing that is seen, but all its sides are.
     let framed = best.len() == 1 && best[0].sides.iter().all(|&s| s >= FRAMED);

@@ -152,7 +152,7 @@ fn equally(tolerance: f64) -> f64 {
 }
 
 /// A bearer where a line across a side meets it.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Bearer {
     place: Point,
     /// How deep beneath the surface, metres.
@@ -188,27 +188,40 @@ impl Look<'_> {
         let outward = [self.frame.x, self.frame.y][axis] * sign;
         let normal = self.frame.plane.normal();
         let k = &self.image.intrinsics;
+        let (width, height) = (self.image.width as f64, self.image.height as f64);
         // Outside the image; not measured; measured.
         let at = |steps: i32| -> Option<Option<Bearer>> {
             let (u, v) = k.project(&(from + outward * (f64::from(steps) * self.pitch)));
-            let (u, v) = (u.round(), v.round());
-            let inside =
-                u >= 0.0 && v >= 0.0 && u < self.image.width as f64 && v < self.image.height as f64;
+            let (u, v) = (u + 0.5, v + 0.5);
+            let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
             inside.then(|| {
+                let (u, v) = (u as u32, v as u32);
                 let z = self.image.depth[v as usize * self.image.width + u as usize];
-                let place = k.deproject(u, v, f64::from(z));
-                let drop = (self.frame.origin - place).dot(&normal);
-                (z > 0.0).then_some(Bearer { place, drop })
+                (z > 0.0).then(|| {
+                    let place = k.deproject(f64::from(u), f64::from(v), f64::from(z));
+                    let drop = (self.frame.origin - place).dot(&normal);
+                    Bearer { place, drop }
+                })
             })
         };
         let is_on =
             |steps: i32| matches!(at(steps), Some(Some(b)) if b.drop.abs() <= self.tolerance);
         let last = BORDER.rev().find(|&steps| is_on(steps))?;
         let end = last + (REACH / self.pitch) as i32;
-        let mut seen: Vec<Bearer> = Vec::with_capacity(PIXELS);
+        let mut seen = [Bearer::default(); PIXELS];
+        let (mut count, mut level) = (0, 0);
         for steps in last + TORN..=end {
-            seen.extend(at(steps)?);
-            if seen.len() == PIXELS {
+            let Some(measured) = at(steps)? else {
+                continue;
+            };
+            // Where most of them lie as high as the surface, so does the middle one.
+            level += usize::from(measured.drop < THICK.start);
+            if level > PIXELS / 2 {
+                return None;
+            }
+            seen[count] = measured;
+            count += 1;
+            if count == PIXELS {
                 seen.sort_by(|a, b| a.drop.total_cmp(&b.drop));
                 let middle = seen[PIXELS / 2];
                 // The wall of a neighbour, seen through a gap, falls by millimetres from pixel to pixel.

@@ -97,20 +97,36 @@ fn first_not<const SAME: u8>(line: &[u8]) -> Option<usize> {
 /// Calls `found` with each place at which one line of zeros and ones holds 0 and the other one, where there is one,
 /// holds 1; sixteen at a time.
 pub fn each_zero(line: &[u8], other: Option<&[u8]>, mut found: impl FnMut(usize)) {
-    let (chunks, rest) = line.as_chunks::<16>();
-    let mut look = |from: usize, bytes: &[u8]| {
-        for (k, &byte) in bytes.iter().enumerate() {
-            if byte == 0 && other.is_none_or(|other| other[from + k] == 1) {
-                found(from + k);
+    let Some(last) = line.len().checked_sub(16) else {
+        for (k, &byte) in line.iter().enumerate() {
+            if byte == 0 && other.is_none_or(|other| other[k] == 1) {
+                found(k);
             }
         }
+        return;
     };
-    for (n, chunk) in chunks.iter().enumerate() {
-        if *chunk != [1; 16] {
-            look(16 * n, chunk);
+    let sixteen = |line: &[u8], from: usize| {
+        line[from..]
+            .first_chunk()
+            .map_or(0, |bytes| u128::from_le_bytes(*bytes))
+    };
+    let mut next = 0;
+    while next < line.len() {
+        // At the end some of them were looked at before.
+        let from = next.min(last);
+        let mut zeros = sixteen(line, from) ^ u128::from_le_bytes([1; 16]);
+        if zeros != 0 {
+            if let Some(other) = other {
+                zeros &= sixteen(other, from);
+            }
+            zeros &= u128::MAX << (8 * (next - from));
+            while zeros != 0 {
+                found(from + zeros.trailing_zeros() as usize / 8);
+                zeros &= zeros - 1;
+            }
         }
+        next = from + 16;
     }
-    look(16 * chunks.len(), rest);
 }
 
 fn root(parent: &mut [usize], mut i: usize) -> usize {

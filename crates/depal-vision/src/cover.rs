@@ -30,8 +30,6 @@ pub struct Covering {
     pub least: Misfit,
     /// Each with the boxes given as fixed first; the most plane one first, those out of the question left out.
     pub readings: Vec<Vec<Candidate>>,
-    /// The heights they were judged by.
-    pub relief: Relief,
 }
 
 /// Covers what `fixed` leaves uncovered; `None` when the known sizes cannot, or in too many ways.
@@ -42,7 +40,7 @@ pub fn cover(
     fixed: &[Candidate],
     uneven: Option<f64>,
 ) -> Option<Covering> {
-    let relief = Relief::new(patch);
+    let relief = patch.relief();
     let mut search = Search {
         patch,
         kinds: kinds(patch, sizes),
@@ -68,12 +66,11 @@ pub fn cover(
             .readings
             .iter()
             .filter(|(_, reading)| {
-                let [ours, theirs] = apart(&search.relief, &search.readings[0].1, reading);
+                let [ours, theirs] = apart(search.relief, &search.readings[0].1, reading);
                 !ours.rules_out(&theirs, &least, patch.lump)
             })
             .map(|(_, reading)| reading.clone())
             .collect(),
-        relief: search.relief,
     })
 }
 
@@ -96,12 +93,13 @@ pub fn kinds(patch: &Patch, sizes: &[BoxSize]) -> Vec<(u32, bool, [usize; 2])> {
 
 /// Middles of the blocks that are surface, row by row.
 fn surface_blocks(patch: &Patch) -> Vec<[usize; 2]> {
+    /// Cells of a block.
+    const MOST_OF_IT: u32 = (BLOCK * BLOCK * 9 / 10) as u32;
     let (bx, by) = (patch.columns / BLOCK, patch.rows / BLOCK);
     let mut blocks = Vec::new();
     for j in 0..by {
         for i in 0..bx {
-            let (i0, j0) = ((i * BLOCK) as isize, (j * BLOCK) as isize);
-            if patch.surface(i0, j0, i0 + BLOCK as isize, j0 + BLOCK as isize) > 0.9 {
+            if patch.surface_cells_of_block(i, j) > MOST_OF_IT {
                 blocks.push([i * BLOCK + BLOCK / 2, j * BLOCK + BLOCK / 2]);
             }
         }
@@ -130,7 +128,7 @@ struct Search<'a> {
     kinds: Vec<(u32, bool, [usize; 2])>,
     mixed: bool,
     blocks: Vec<[usize; 2]>,
-    relief: Relief,
+    relief: &'a Relief,
     /// Variance of a block's height, square metres.
     noise: f64,
     /// What was found at a corner (column, row) for a kind, with how little plane it is.
@@ -176,7 +174,7 @@ impl Search<'_> {
             } else {
                 let found = self.place(corner, kind).filter(|(candidate, _)| {
                     self.uneven.is_none_or(|uneven| {
-                        !Breaks::new(&self.relief, self.noise, uneven).within(candidate)
+                        !Breaks::new(self.relief, self.noise, uneven).within(candidate)
                     })
                 });
                 self.known.insert(key, found);
@@ -192,7 +190,7 @@ impl Search<'_> {
         // would cover as well would double the number of readings.
         if self.uneven.is_some() && self.mixed {
             let all: Vec<Candidate> = options.iter().map(|(candidate, _)| *candidate).collect();
-            let breaks = Breaks::new(&self.relief, self.noise, 0.0);
+            let breaks = Breaks::new(self.relief, self.noise, 0.0);
             options.retain(|(part, _)| {
                 !all.iter()
                     .any(|whole| is_part(part, whole) && breaks.is_one_plane(whole))

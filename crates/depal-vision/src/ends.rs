@@ -50,19 +50,18 @@ pub fn surface_end(
     let columns = range(|c| c.0, image.width);
     let mut pixels: Vec<(f64, bool)> = Vec::new();
     for v in range(|c| c.1, image.height) {
+        let row = frame.of_row(k, v as f64);
         for u in columns.clone() {
-            let (x, y) = frame.of_pixel(k, u as f64, v as f64);
-            let (across, along) = if axis == 0 { (x, y) } else { (y, x) };
-            let beyond = sign * across - half;
-            if along.abs() > reach || beyond < window[0] || beyond > window[1] {
+            let (place, expected) = row.at(u as f64);
+            let beyond = sign * place[axis] - half;
+            if place[1 - axis].abs() > reach || beyond < window[0] || beyond > window[1] {
                 continue;
             }
             let z = f64::from(image.depth[v * image.width + u]);
-            let expected = frame.plane.depth(&k.ray(u as f64, v as f64));
             pixels.push((beyond, z > 0.0 && (z - expected).abs() <= tolerance));
         }
     }
-    pixels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pixels.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     // The sum of (surface - SHARE) from inside outwards is greatest where the share falls below it; between two
     // rows of pixels, and but for a few pixels, it is as great over a whole range: the end is in its middle.
     let enough = ENDED * SHARE * pixels.len() as f64 / (WINDOW[1] - WINDOW[0]);

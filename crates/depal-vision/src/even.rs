@@ -1,6 +1,6 @@
 //! Stage 5a: whether a piece of the step mask is one carton, or holes run through it along a line.
 
-use crate::{gate::DepthImage, plane::PlaneFrame, resample::int};
+use crate::{gate::DepthImage, plane::PlaneFrame, resample::int, widest::with_widest_vectors};
 
 /// True when no line of more than a few holes runs through the rectangle of a piece's mask (`range`
 /// metres, middle and axes as in `frame`): a seam leaves one, also where it was bridged.
@@ -44,12 +44,17 @@ pub fn is_even(
             );
             let (u0, v0) = ((ends[0].0 + 0.5) as f32, (ends[0].1 + 0.5) as f32);
             // First where, then what: the processor does several of the former at once.
-            for (cell, pixel) in pixels.iter_mut().enumerate() {
-                let s = cell as i32 as f32 + 0.5;
-                let u = (u0 + du * s).max(0.0).min(last[0]);
-                let v = (v0 + dv * s).max(0.0).min(last[1]);
-                *pixel = int(v) * stride + int(u);
-            }
+            with_widest_vectors(
+                #[inline(always)]
+                || {
+                    for (cell, pixel) in pixels.iter_mut().enumerate() {
+                        let s = cell as i32 as f32 + 0.5;
+                        let u = (u0 + du * s).max(0.0).min(last[0]);
+                        let v = (v0 + dv * s).max(0.0).min(last[1]);
+                        *pixel = int(v) * stride + int(u);
+                    }
+                },
+            );
             for (&pixel, holes) in pixels.iter().zip(&mut holes) {
                 *holes += u16::from(1 - mask[pixel as usize]);
             }

@@ -171,18 +171,20 @@ fn cut(
         let first = rotation * intrinsics.ray(left as f64, v as f64);
         let next = (rotation * intrinsics.ray(left as f64 + 1.0, v as f64) - first).cast::<f32>();
         let first = first.cast::<f32>();
-        for (k, (inside, &z)) in inside[left..right]
-            .iter_mut()
-            .zip(&depth[left..right])
-            .enumerate()
-        {
-            let u = k as i32 as f32;
-            let x = (first.x + next.x * u) * z + shift.x;
-            let y = (first.y + next.y * u) * z + shift.y;
-            let depth = (first.z + next.z * u) * z + shift.z;
-            let holds = (x.abs() <= half.x) & (y.abs() <= half.y) & (depth.abs() <= half.z);
-            *inside &= u8::from(holds);
-        }
+        let (inside, depth) = (&mut inside[left..right], &depth[left..right]);
+        with_widest_vectors(
+            #[inline(always)]
+            || {
+                for (k, (inside, &z)) in inside.iter_mut().zip(depth).enumerate() {
+                    let u = k as i32 as f32;
+                    let x = (first.x + next.x * u) * z + shift.x;
+                    let y = (first.y + next.y * u) * z + shift.y;
+                    let depth = (first.z + next.z * u) * z + shift.z;
+                    let holds = (x.abs() <= half.x) & (y.abs() <= half.y) & (depth.abs() <= half.z);
+                    *inside &= u8::from(holds);
+                }
+            },
+        );
     }
 }
 
@@ -241,16 +243,11 @@ impl DepthImage<'_> {
         }
         let mut found: Vec<usize> = Vec::new();
         for v in low..high {
-            let row = &self.depth[v * w + left..v * w + right];
+            let row = &self.in_region[v * w..(v + 1) * w];
             found.clear();
-            with_widest_vectors(
-                #[inline(always)]
-                || zeros(row, &mut found),
-            );
-            for k in &found {
-                let i = v * w + left + k;
-                // Along a line of holes, or among them.
-                if self.in_region[i - 1] + self.in_region[i + 1] == 0 {
+            beside_measured(&row[left - 1..=right], &mut found);
+            for i in found.iter().map(|k| v * w + left + k) {
+                if self.depth[i] != 0.0 {
                     continue;
                 }
                 let around = [i - w - 1, i - 1, i + w - 1];
@@ -279,17 +276,26 @@ impl DepthImage<'_> {
     }
 }
 
-/// Places of the zeros in a row, sixteen at a time: they are rare.
-#[inline(always)]
-fn zeros(row: &[f32], found: &mut Vec<usize>) {
-    let (chunks, rest) = row.as_chunks::<16>();
+/// Places of the zeros in a row of zeros and ones beside which, before or behind, there is a one; counted from the
+/// row's second byte, as its first and last are only looked at. Sixteen at a time: they are rare.
+fn beside_measured(row: &[u8], found: &mut Vec<usize>) {
+    let (before, here, behind) = (row, &row[1..], &row[2..]);
+    let (chunks, rest) = behind.as_chunks::<16>();
     for (n, chunk) in chunks.iter().enumerate() {
-        let any = chunk.iter().fold(0u32, |any, &z| any | u32::from(z == 0.0));
-        if any != 0 {
-            let places = chunk.iter().enumerate().filter(|(_, z)| **z == 0.0);
-            found.extend(places.map(|(k, _)| 16 * n + k));
+        let from = 16 * n;
+        let sixteen = |bytes: &[u8]| {
+            bytes[from..]
+                .first_chunk()
+                .map_or(0, |bytes| u128::from_le_bytes(*bytes))
+        };
+        let ones = sixteen(before) | u128::from_le_bytes(*chunk);
+        let mut places = ones & !sixteen(here);
+        while places != 0 {
+            found.push(from + places.trailing_zeros() as usize / 8);
+            places &= places - 1;
         }
     }
-    let places = rest.iter().enumerate().filter(|(_, z)| **z == 0.0);
-    found.extend(places.map(|(k, _)| 16 * chunks.len() + k));
+    let from = 16 * chunks.len();
+    let is_one = |k: &usize| here[*k] == 0 && before[*k] + behind[*k] > 0;
+    found.extend((from..from + rest.len()).filter(is_one));
 }

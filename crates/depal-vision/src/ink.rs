@@ -6,9 +6,9 @@ use crate::{gate::DepthImage, patch::Patch, search::Candidate};
 /// Samples along a side.
 const SAMPLES: usize = 40;
 /// Cells by which a line may lie beside the expected side.
-const BESIDE: i32 = 3;
+const BESIDE: usize = 3;
 /// A line is compared with what lies so many cells to both sides.
-const AWAY: f64 = 4.0;
+const AWAY: usize = 4;
 /// Grey values by which a line must be darker than both.
 const DARKER: i32 = 8;
 
@@ -40,21 +40,20 @@ pub fn dark_sides(patch: &Patch, image: &DepthImage, candidate: &Candidate) -> [
                 (along, at + off)
             }
         };
-        let mut most = 0;
-        for off in -BESIDE..=BESIDE {
-            let dark = (0..SAMPLES).filter(|&n| {
-                let value = |off: f64| {
-                    let (x, y) = place(off, n);
-                    grey(x, y)
-                };
-                let off = f64::from(off);
-                match (value(off), value(off - AWAY), value(off + AWAY)) {
-                    (Some(line), Some(before), Some(after)) => line + DARKER <= before.min(after),
-                    _ => false,
-                }
+        let mut dark = [0; BESIDE * 2 + 1];
+        for n in 0..SAMPLES {
+            let across: [Option<i32>; 2 * (BESIDE + AWAY) + 1] = std::array::from_fn(|k| {
+                let (x, y) = place(k as f64 - (BESIDE + AWAY) as f64, n);
+                grey(x, y)
             });
-            most = most.max(dark.count());
+            for (k, dark) in dark.iter_mut().enumerate() {
+                let [before, line, after] = [k, k + AWAY, k + 2 * AWAY].map(|k| across[k]);
+                if let (Some(line), Some(before), Some(after)) = (line, before, after) {
+                    *dark += usize::from(line + DARKER <= before.min(after));
+                }
+            }
         }
+        let most = dark.into_iter().fold(0, usize::max);
         most as f64 / SAMPLES as f64
     })
 }

@@ -15,7 +15,6 @@ use crate::{
     inset::{InsetSums, Insets},
     patch::{BLOCK, Patch, pixel_pitch},
     plane::{Plane, PlaneFrame},
-    relief::block_noise,
     seams::touches,
     search::{Candidate, extents, sides_with_edges},
     sides::{Fitting, SIDE_PIXELS, fit_rectangle},
@@ -150,7 +149,7 @@ pub fn place_together(
         .collect();
     let mut seen = join_sides(sides, &members, &pairs);
     // As if it were white: of a mean over many pixels, which is what a seam is taken from.
-    let noise = block_noise(patch, 1) * (BLOCK * BLOCK) as f64;
+    let noise = patch.relief().noise(1) * (BLOCK * BLOCK) as f64;
     for pair in &pairs {
         observe_seam(image, settings, &members, pair, noise, &mut seen);
     }

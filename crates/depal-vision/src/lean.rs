@@ -51,7 +51,7 @@ impl Lean {
         });
         let near = slopes
             .iter()
-            .filter(|s| (s[0] - middle[0]).hypot(s[1] - middle[1]) < ALIKE);
+            .filter(|s| square(s[0] - middle[0], s[1] - middle[1]) < ALIKE * ALIKE);
         let (count, sum) = near.fold((0usize, [0.0; 2]), |(count, sum), s| {
             (count + 1, [sum[0] + s[0], sum[1] + s[1]])
         });
@@ -92,5 +92,10 @@ fn slope(image: &DepthImage, u: usize, v: usize, step: f64) -> Option<[f64; 2]> 
     let (x, y) = ((u as f64 - k.cx) / k.fx, (v as f64 - k.cy) / k.fy);
     let scale = 1.0 / (1.0 - p * x - q * y);
     let normal = [p * scale, q * scale];
-    (scale > 0.0 && normal[0].hypot(normal[1]) < MOST).then_some(normal)
+    (scale > 0.0 && square(normal[0], normal[1]) < MOST * MOST).then_some(normal)
+}
+
+/// Of a vector's length.
+fn square(x: f64, y: f64) -> f64 {
+    x * x + y * y
 }

@@ -2,9 +2,10 @@
 
 use crate::{
     VisionSettings,
-    components::components,
+    components::{Run, components},
     gate::DepthImage,
     surface::{Surface, least_pixels},
+    widest::with_widest_vectors,
 };
 
 /// Parts of a surface that rise out of its plane on planes of their own.
@@ -16,17 +17,29 @@ pub fn leaning(
 ) -> Vec<Surface> {
     /// Lower angles are those of uneven ground and of noise, radians.
     const LEAST_LEAN: f64 = 0.02;
-    let k = &image.intrinsics;
+    let least = least_pixels(image, settings, smallest);
+    let rising = |run: Run| rising(surface, run, image, settings.plane_tolerance);
+    let mut count = 0;
+    with_widest_vectors(
+        #[inline(always)]
+        || {
+            for &run in &surface.component.runs {
+                count += rising(run).map(u32::from).sum::<u32>() as usize;
+            }
+        },
+    );
+    // Most surfaces are flat.
+    if count < least {
+        return Vec::new();
+    }
     let mut mask = vec![0u8; image.width * image.height];
-    for run in &surface.component.runs {
-        for u in run.first..=run.last {
-            let at = run.row * image.width + u;
-            let expected = surface.frame.plane.depth(&k.ray(u as f64, run.row as f64));
-            let z = f64::from(image.depth[at]);
-            mask[at] = u8::from(z > 0.0 && z < expected - settings.plane_tolerance);
+    for &run in &surface.component.runs {
+        let row = &mut mask[run.row * image.width..][run.first..=run.last];
+        for (pixel, rises) in row.iter_mut().zip(rising(run)) {
+            *pixel = u8::from(rises);
         }
     }
-    components(&mask, image.width, least_pixels(image, settings, smallest))
+    components(&mask, image.width, least)
         .into_iter()
         .filter_map(|part| Surface::new(part, image, settings, smallest).ok())
         .filter_map(|mut part| {
@@ -37,4 +50,25 @@ pub fn leaning(
             (lean > LEAST_LEAN).then_some(part)
         })
         .collect()
+}
+
+/// Which pixels of a run lie nearer than a surface's plane, by more than the tolerance.
+#[inline(always)]
+fn rising<'a>(
+    surface: &Surface,
+    run: Run,
+    image: &'a DepthImage,
+    tolerance: f64,
+) -> impl Iterator<Item = bool> + 'a {
+    let (k, plane) = (&image.intrinsics, &surface.frame.plane);
+    // 1/z of a plane is affine along a row.
+    let first = plane
+        .coefficient
+        .dot(&k.ray(run.first as f64, run.row as f64));
+    let per_column = plane.coefficient.x / k.fx;
+    let depths = &image.depth[run.row * image.width..][run.first..=run.last];
+    depths.iter().enumerate().map(move |(n, &z)| {
+        let inverse = first + per_column * f64::from(n as i32);
+        (z > 0.0) & ((f64::from(z) + tolerance) * inverse < 1.0)
+    })
 }

@@ -35,37 +35,57 @@ const WIDEST: f64 = 0.030;
 /// Depths within so many deviations of each other are averaged.
 const WITHIN_SIGMAS: f64 = 5.0;
 
-/// Standard deviation of depth at a distance of `lag` pixels, metres; `None` without enough pixels.
-fn deviation(depth: &[f32], width: usize, lag: usize) -> Option<f64> {
-    if width < 2 * lag + 1 {
-        return None;
-    }
-    let stride = (depth.len() / SAMPLES).max(1) | 1;
-    let in_row = width - 2 * lag;
-    let mut bends: Vec<f32> = Vec::with_capacity(depth.len() / stride + 1);
-    // Every so many pixels, as if the rows, cut short by two lags, were one line.
-    let mut first = 0;
-    for row in depth.chunks_exact(width) {
-        let places = row[..in_row].iter().zip(&row[lag..]).zip(&row[2 * lag..]);
-        for ((&a, &b), &c) in places.skip(first).step_by(stride) {
-            if a > 0.0 && b > 0.0 && c > 0.0 && a + b + c < f32::INFINITY {
-                bends.push((a - 2.0 * b + c).abs());
-            }
-            first += stride;
-        }
-        first = first.max(in_row) - in_row;
-    }
-    if bends.len() < 100 {
-        return None;
-    }
-    let middle = bends.len() / 2;
-    let median = *bends.select_nth_unstable_by(middle, f32::total_cmp).1;
-    Some(f64::from(median) * SIGMA_PER_MEDIAN)
+/// How much depths bend over two distances of `lag` pixels, of every so many pixels, as if the rows, cut short by as
+/// much, were one line.
+struct Bends {
+    lag: usize,
+    /// Where in the next row.
+    first: usize,
+    sizes: Vec<f32>,
 }
 
-/// The greatest of the deviations at some distances, metres.
+impl Bends {
+    fn add(&mut self, row: &[f32], stride: usize) {
+        let lag = self.lag;
+        let in_row = row.len() - 2 * lag;
+        while self.first < in_row {
+            let [a, b, c] = [0, lag, 2 * lag].map(|far| row[self.first + far]);
+            if a > 0.0 && b > 0.0 && c > 0.0 && a + b + c < f32::INFINITY {
+                self.sizes.push((a - 2.0 * b + c).abs());
+            }
+            self.first += stride;
+        }
+        self.first -= in_row;
+    }
+
+    /// Standard deviation of depth, metres; `None` without enough pixels.
+    fn deviation(&mut self) -> Option<f64> {
+        if self.sizes.len() < 100 {
+            return None;
+        }
+        let middle = self.sizes.len() / 2;
+        let (_, median, _) = self.sizes.select_nth_unstable_by(middle, f32::total_cmp);
+        Some(f64::from(*median) * SIGMA_PER_MEDIAN)
+    }
+}
+
+/// The greatest of the deviations at some distances, metres; `None` without enough pixels.
 fn noise_of(depth: &[f32], width: usize, lags: &[usize]) -> Option<f64> {
-    let sigmas = lags.iter().filter_map(|&lag| deviation(depth, width, lag));
+    let stride = (depth.len() / SAMPLES).max(1) | 1;
+    let fitting = lags.iter().filter(|lag| width > 2 * **lag);
+    let mut bends: Vec<Bends> = fitting
+        .map(|&lag| Bends {
+            lag,
+            first: 0,
+            sizes: Vec::with_capacity(depth.len() / stride + 1),
+        })
+        .collect();
+    for row in depth.chunks_exact(width.max(1)) {
+        for bends in &mut bends {
+            bends.add(row, stride);
+        }
+    }
+    let sigmas = bends.iter_mut().filter_map(Bends::deviation);
     sigmas.reduce(f64::max)
 }
 

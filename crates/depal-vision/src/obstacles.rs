@@ -52,15 +52,9 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
     for v in (top..bottom).step_by(stride) {
         let y = (v as f64 - k.cy) / k.fy;
         let pixels = v * image.width + left..v * image.width + right;
-        let depth = image.depth[pixels.clone()].iter().step_by(stride);
-        let in_region = image.in_region[pixels].iter().step_by(stride);
-        for ((z, open), (&depth, &in_region)) in row
-            .z
-            .iter_mut()
-            .zip(&mut row.open)
-            .zip(depth.zip(in_region))
-        {
-            (*z, *open) = (f64::from(depth), in_region);
+        let (depth, in_region) = (&image.depth[pixels.clone()], &image.in_region[pixels]);
+        for (n, (z, open)) in row.z.iter_mut().zip(&mut row.open).enumerate() {
+            (*z, *open) = (f64::from(depth[n * stride]), in_region[n * stride]);
         }
         for solid in &solids {
             if solid.rows[0] <= v as f64 && v as f64 <= solid.rows[1] {
@@ -80,18 +74,7 @@ pub fn obstacle_points(image: &DepthImage, boxes: &[DetectedBox], voxel: f64) ->
             #[inline(always)]
             || row.place(y, per_metre),
         );
-        for (part, open) in row.cube.chunks(PART).zip(row.open.chunks(PART)) {
-            // Most of a picture is explained.
-            if open.iter().fold(0, |any, open| any | open) == 0 {
-                continue;
-            }
-            for (&cube, _) in part.iter().zip(open).filter(|(_, open)| **open == 1) {
-                match cubes.last_mut() {
-                    Some((last, count)) if *last == cube => *count += 1,
-                    _ => cubes.push((cube, 1)),
-                }
-            }
-        }
+        row.gather(&mut cubes);
     }
     let mut points = Vec::new();
     crowded(&mut cubes, |at| {
@@ -110,6 +93,8 @@ struct Row {
     open: Vec<u8>,
     /// The cube that it lies in.
     cube: Vec<u64>,
+    /// Cubes and how many samples in a row lie in them; the first is none.
+    runs: Vec<(u64, u32)>,
 }
 
 /// Floor of a number of 0..2^51, by pushing its fraction out of the mantissa: casts are made one by one.
@@ -127,6 +112,7 @@ impl Row {
             z: vec![0.0; x.len()],
             open: vec![0; x.len()],
             cube: vec![0; x.len()],
+            runs: vec![(0, 0); x.len() + 1],
             x,
         }
     }
@@ -140,6 +126,26 @@ impl Row {
             let [x, y, z] = [x * z, y * z, z].map(cube_of);
             *cube = (z << (2 * BITS)) | (y << BITS) | x;
         }
+    }
+
+    /// Adds the cubes in which open samples lie, each with how many in a row.
+    fn gather(&mut self, cubes: &mut Vec<(u64, u32)>) {
+        let (mut run, mut count) = ((u64::MAX, 0), 0);
+        for (part, open) in self.cube.chunks(PART).zip(self.open.chunks(PART)) {
+            // Most of a picture is explained.
+            if open.iter().fold(0, |any, open| any | open) == 0 {
+                continue;
+            }
+            // Each is written where it would stand, and the place only left when another cube begins: without a jump.
+            for (&cube, &open) in part.iter().zip(open) {
+                let begins = (open == 1) & (cube != run.0);
+                count += usize::from(begins);
+                run = if begins { (cube, 0) } else { run };
+                run.1 += u32::from(open);
+                self.runs[count] = run;
+            }
+        }
+        cubes.extend_from_slice(&self.runs[1..=count]);
     }
 
     /// Takes out what belongs to a carton; `y` of the rays with Z = 1.

@@ -82,7 +82,10 @@ pub fn main_direction(outline: &[(f64, f64)], bin: f64) -> f64 {
 }
 
 fn best(outline: &[(f32, f32)], bin: f64, middle: f64, step: f64, reach: i32) -> f64 {
-    let radius = outline.iter().fold(0.0f32, |r, p| r.max(p.0.hypot(p.1)));
+    let square = outline
+        .iter()
+        .fold(0.0f32, |s, p| s.max(p.0 * p.0 + p.1 * p.1));
+    let radius = square.sqrt();
     let half = (f64::from(radius) / bin).ceil().min(20_000.0) as usize + 2;
     let mut bins = vec![0u16; 4 * half];
     let mut places = vec![[0u32; 2]; outline.len()];

@@ -7,7 +7,6 @@ use crate::{
     doubles::is_doubtful,
     gate::DepthImage,
     patch::Patch,
-    relief::Relief,
     search::{Candidate, search},
     settle::start_frame,
     verify::{Proof, verify},
@@ -23,9 +22,8 @@ pub fn outlined(
     let (mut fixed, mut boxes) = (Vec::new(), Vec::new());
     let candidates = search(patch, &settings.sizes, settings.min_visible);
     // Where steps are smeared, heights beside them say nothing.
-    let relief = (!candidates.is_empty() && !patch.is_smeared()).then(|| Relief::new(patch));
+    let relief = (!candidates.is_empty() && !patch.is_smeared()).then(|| patch.relief());
     let breaks = relief
-        .as_ref()
         .map(|relief| Breaks::new(relief, relief.noise(1), settings.plane_tolerance * UNEVEN));
     for candidate in candidates {
         let start = start_frame(patch, &candidate);

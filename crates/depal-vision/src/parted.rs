@@ -28,13 +28,13 @@ pub enum Parting {
 /// Cuts a candidate in two where that explains its heights best, and looks whether the two planes meet there. `least`:
 /// the shortest side a carton has, metres; `uneven`: how much one carton may deviate from a plane, metres.
 pub fn parting(patch: &Patch, candidate: &Candidate, least: f64, uneven: f64) -> Parting {
-    let relief = Relief::new(patch);
+    let relief = patch.relief();
     let noise = relief.noise(1);
     let blocks = relief.blocks_of(candidate);
     let least = ((least / patch.pitch) as usize / BLOCK)
         .saturating_sub(1)
         .max(LEAST_BLOCKS);
-    let Some([low, high]) = best_cut(&relief, &blocks, least, noise) else {
+    let Some([low, high]) = best_cut(relief, &blocks, least, noise) else {
         return Parting::None;
     };
     let fit = |r: &[Range<usize>; 2]| relief.fit(r[0].clone(), r[1].clone());

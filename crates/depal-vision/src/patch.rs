@@ -1,6 +1,8 @@
 //! Stage 6: a flat surface resampled in its own axes, with sums that answer "how much of this
 //! rectangle is surface" and "how much of this line is edge" in constant time.
 
+use std::cell::OnceCell;
+
 use depal_frames::Intrinsics;
 
 use crate::{
@@ -8,6 +10,7 @@ use crate::{
     edge_sums::{AROUND, EdgeSums, FULL, row_and_next, sums_along},
     gate::DepthImage,
     plane::PlaneFrame,
+    relief::Relief,
     resample::ResampledRow,
     scratch::Kept,
     search::left_out,
@@ -50,6 +53,7 @@ pub struct Patch {
     pub blanks: Vec<Blank>,
     /// For each whole block, row by row: sum of the heights over the plane (metres) of its surface cells.
     pub heights: Vec<f32>,
+    relief: OnceCell<Relief>,
 }
 
 /// Where and how finely a plane is resampled.
@@ -187,7 +191,13 @@ impl Patch {
             horizontal: edges.horizontal,
             blanks: blanks.to_vec(),
             heights,
+            relief: OnceCell::new(),
         }
+    }
+
+    /// The heights of its blocks, made when first asked for.
+    pub fn relief(&self) -> &Relief {
+        self.relief.get_or_init(|| Relief::new(self))
     }
 
     /// True when the camera smears steps, and with them its noise, or its depths were averaged.

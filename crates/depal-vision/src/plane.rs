@@ -156,8 +156,37 @@ impl PlaneFrame {
         (offset.dot(&self.x), offset.dot(&self.y))
     }
 
+    /// What [`Self::of_pixel`] tells of the pixels of row `v`, for many of them.
+    pub fn of_row(&self, intrinsics: &Intrinsics, v: f64) -> OnRow {
+        let first = intrinsics.ray(0.0, v);
+        let along = |axis: &Vector| [first.dot(axis), axis.x / intrinsics.fx];
+        OnRow {
+            inverse: along(&self.plane.coefficient),
+            axes: [self.x, self.y].map(|axis| (along(&axis), self.origin.coords.dot(&axis))),
+        }
+    }
+
     /// The point at plane coordinates.
     pub fn point(&self, x: f64, y: f64) -> Point {
         self.origin + self.x * x + self.y * y
+    }
+}
+
+/// A row of pixels seen on a plane: 1/z is affine in the column, and so is a coordinate times it.
+pub struct OnRow {
+    /// At column 0 and from column to column.
+    inverse: [f64; 2],
+    /// The same of rays along each axis, and what is to be taken off, metres.
+    axes: [([f64; 2], f64); 2],
+}
+
+impl OnRow {
+    /// Coordinates on the plane and depth, metres, where column `u` looks.
+    pub fn at(&self, u: f64) -> ([f64; 2], f64) {
+        let depth = 1.0 / (self.inverse[0] + self.inverse[1] * u);
+        let place = self
+            .axes
+            .map(|([first, per_column], off)| (first + per_column * u) * depth - off);
+        (place, depth)
     }
 }

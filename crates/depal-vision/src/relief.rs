@@ -21,6 +21,8 @@ pub struct Relief {
     heights: Vec<Option<f32>>,
     /// Sums over all blocks below and left.
     sums: Kept<Sums>,
+    /// Variance of a block's height by noise, from neighbouring blocks, square metres.
+    noise: f64,
 }
 
 /// How badly one plane explains the heights of some blocks.
@@ -36,9 +38,13 @@ impl Relief {
     pub fn new(patch: &Patch) -> Self {
         let (columns, rows) = (patch.columns / BLOCK, patch.rows / BLOCK);
         let heights = heights_of(patch);
-        let mut sums = Kept::of((columns + 1) * (rows + 1), [0.0; 10]);
+        let noise = noise_of(&heights, columns, 1);
+        // All but the first row and column is written below.
+        let mut sums = Kept::of_any((columns + 1) * (rows + 1), [0.0; 10]);
+        sums[..=columns].fill([0.0; 10]);
         for j in 0..rows {
             let mut row = [0.0; 10];
+            sums[(j + 1) * (columns + 1)] = row;
             for i in 0..columns {
                 if let Some(height) = heights[j * columns + i] {
                     let (x, y, h) = (i as f64, j as f64, f64::from(height));
@@ -56,6 +62,7 @@ impl Relief {
             rows,
             heights,
             sums,
+            noise,
         }
     }
 
@@ -93,7 +100,11 @@ impl Relief {
 
     /// Variance of a block's height by noise, square metres, from how much blocks of a row `lag` apart bend.
     pub fn noise(&self, lag: usize) -> f64 {
-        noise_of(&self.heights, self.columns, lag)
+        if lag == 1 {
+            self.noise
+        } else {
+            noise_of(&self.heights, self.columns, lag)
+        }
     }
 
     /// The same of some columns and rows of blocks, of those next to each other or of every other one: the larger.
@@ -228,11 +239,6 @@ fn heights_of(patch: &Patch) -> Vec<Option<f32>> {
             (count >= LEAST).then(|| sum / count as f32)
         })
         .collect()
-}
-
-/// As [`Relief::noise`], for one who needs nothing else of the relief.
-pub fn block_noise(patch: &Patch, lag: usize) -> f64 {
-    noise_of(&heights_of(patch), patch.columns / BLOCK, lag)
 }
 
 /// Variance of a block's height by noise, square metres, from how much blocks of a row `lag` apart bend.

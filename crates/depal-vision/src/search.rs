@@ -259,10 +259,11 @@ pub fn search(patch: &Patch, sizes: &[BoxSize], min_visible: f64) -> Vec<Candida
                 && other.turned == candidate.turned
                 && (0..2).all(|k| other.first[k].abs_diff(candidate.first[k]) <= 3)
         };
-        if kept
-            .iter()
-            .any(|k| k.overlap(&candidate) > 0.08 || candidate.overlap(k) > 0.08)
-            || failed.iter().any(same)
+        // Those close by have about the same score.
+        if failed.iter().rev().any(same)
+            || kept
+                .iter()
+                .any(|k| k.overlap(&candidate) > 0.08 || candidate.overlap(k) > 0.08)
         {
             continue;
         }

@@ -58,26 +58,25 @@ pub fn settle(
             fit.sides[2 * axis].seen >= LEAST_SEEN || fit.sides[2 * axis + 1].seen >= LEAST_SEEN
         }));
     }
-    for _ in 0..ROUNDS {
-        for b in 0..all.len() {
-            for axis in 0..2 {
-                if held[b][axis] {
-                    continue;
-                }
-                let (mut sum, mut count) = (0.0, 0.0);
-                for (o, other) in all.iter().enumerate() {
-                    for (side, sign) in [(2 * axis, 1.0), (2 * axis + 1, -1.0)] {
-                        if o != b && touches(&all[b], other, side, patch.pitch) {
-                            sum +=
-                                centres[o][axis] + sign * (half(other)[axis] + half(&all[b])[axis]);
-                            count += 1.0;
-                        }
+    // Of each box and axis that nothing holds: its neighbours, and how far from each its centre lies.
+    let mut free: Vec<(usize, usize, Vec<(usize, f64)>)> = Vec::new();
+    for (b, one) in all.iter().enumerate() {
+        for axis in (0..2).filter(|&axis| !held[b][axis]) {
+            let mut beside = Vec::new();
+            for (o, other) in all.iter().enumerate() {
+                for (side, sign) in [(2 * axis, 1.0), (2 * axis + 1, -1.0)] {
+                    if o != b && touches(one, other, side, patch.pitch) {
+                        beside.push((o, sign * (half(other)[axis] + half(one)[axis])));
                     }
                 }
-                if count > 0.0 {
-                    centres[b][axis] = sum / count;
-                }
             }
+            free.push((b, axis, beside));
+        }
+    }
+    for _ in 0..ROUNDS {
+        for (b, axis, beside) in free.iter().filter(|(_, _, beside)| !beside.is_empty()) {
+            let places = beside.iter().map(|(o, apart)| centres[*o][*axis] + apart);
+            centres[*b][*axis] = places.sum::<f64>() / beside.len() as f64;
         }
     }
     // Boxes that hang together share their direction; outer sides show it best.

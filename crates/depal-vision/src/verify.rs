@@ -103,9 +103,12 @@ fn check(
     let tolerance = settings.plane_tolerance;
     let pitch = pixel_pitch(&start, &image.intrinsics);
 
-    let seen = look(image, &start, extents, tolerance, 0.010);
+    let mut surface = Vec::new();
+    look(image, &start, extents, tolerance, 0.010, |pixel| {
+        surface.push(pixel);
+    });
     let (plane, rms) =
-        fit_plane(&seen.surface, &image.intrinsics, tolerance).ok_or(RejectReason::NotFlat)?;
+        fit_plane(&surface, &image.intrinsics, tolerance).ok_or(RejectReason::NotFlat)?;
     if rms > 0.6 * tolerance {
         return Err(RejectReason::NotFlat);
     }
@@ -210,7 +213,7 @@ fn check(
 
     // Where steps were smeared, the outermost pixels are guesses.
     let rim = 0.4 * settings.smear_px as f64 * pitch;
-    let seen = look(image, &fit.frame, extents, tolerance, 0.006 + rim);
+    let seen = look(image, &fit.frame, extents, tolerance, 0.006 + rim, |_| ());
     if seen.share(Class::Deep) > 0.01 || seen.share(Class::On) < settings.min_visible {
         return Err(RejectReason::NoKnownSize);
     }
@@ -305,9 +308,7 @@ pub fn pose_on(frame: &PlaneFrame, turned: bool) -> Pose {
 
 /// What a rectangle on a plane shows.
 struct Look {
-    /// (u, v, z) of the surface pixels.
-    surface: Vec<(f64, f64, f64)>,
-    /// The same of pixels in front of the plane.
+    /// (u, v, z) of the pixels in front of the plane.
     near: Vec<(f64, f64, f64)>,
     counts: [usize; 5],
 }
@@ -349,20 +350,21 @@ impl Look {
 /// Distance of the samples, pixels.
 const SPACING: f64 = 4.0;
 
-/// Samples the inside of a rectangle, `margin` metres away from its sides.
+/// Samples the inside of a rectangle, `margin` metres away from its sides; calls `on_surface` with (u, v, z) of the
+/// pixels on its plane.
 fn look(
     image: &DepthImage,
     frame: &PlaneFrame,
     extents: [f64; 2],
     tolerance: f64,
     margin: f64,
+    mut on_surface: impl FnMut((f64, f64, f64)),
 ) -> Look {
     let k = &image.intrinsics;
     let spacing = (SPACING * pixel_pitch(frame, k)).max(1e-4);
     let inner = extents.map(|e| e - 2.0 * margin);
     let [nx, ny] = inner.map(|e| (e / spacing).floor().max(1.0) as usize);
     let mut result = Look {
-        surface: Vec::with_capacity(nx * ny),
         near: Vec::new(),
         counts: [0; 5],
     };
@@ -391,7 +393,7 @@ fn look(
                 result.near.push(here());
                 Class::Near
             } else {
-                result.surface.push(here());
+                on_surface(here());
                 Class::On
             };
             result.counts[class as usize] += 1;

@@ -73,15 +73,17 @@ impl<'a> Strip<'a> {
             let (du, dv) = ((u1 - u0) / count, (v1 - v0) / count);
             for step in 0..=count as usize {
                 let s = step as f64;
-                let (u, v) = ((u0 + du * s + 0.5).floor(), (v0 + dv * s + 0.5).floor());
+                let (u, v) = (u0 + du * s + 0.5, v0 + dv * s + 0.5);
                 // Also refuses NaN.
                 let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
                 if !inside {
                     continue;
                 }
-                let depth = f64::from(self.image.depth[v as usize * self.image.width + u as usize]);
+                let (u, v) = (u as u32, v as u32);
+                let depth = self.image.depth[v as usize * self.image.width + u as usize];
+                let depth = f64::from(depth);
                 if depth > 0.0 {
-                    let (across, down) = (u - ub, v - vb);
+                    let (across, down) = (f64::from(u) - ub, f64::from(v) - vb);
                     let beyond = depth - (z + deeper[0] * across + deeper[1] * down);
                     let looked_at = aside[0] * across + aside[1] * down;
                     take(looked_at, looked_at + out * beyond, under * beyond);
