@@ -198,12 +198,7 @@ fn find_boxes(
         if open.is_empty() {
             continue;
         }
-        let proven: Vec<u32> = found
-            .iter()
-            .chain(&covered)
-            .filter(|b| b.proven_sides >= 3)
-            .map(|b| b.label)
-            .collect();
+        let proven = proven_labels(found.iter().chain(&covered));
         let rejected = &mut detection.rejected;
         if let [alone] = group[..] {
             let more = surfaces[alone].cover(&mask, image, settings, &[], &proven, rejected);
@@ -235,11 +230,12 @@ fn find_boxes(
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
-    // What leans against the others is no part of their coverings.
+    // What leans against the others is no part of their coverings, but of their sizes.
+    let proven = proven_labels(found.iter().chain(&covered));
     for surface in surfaces.iter().filter(|s| !s.solved) {
         for mut part in leaning(surface, image, settings, smallest) {
             let rejected = &mut detection.rejected;
-            covered.extend(part.cover(&mask, image, settings, &[], &[], rejected));
+            covered.extend(part.cover(&mask, image, settings, &[], &proven, rejected));
         }
     }
     place_between_ends(&mut found, image, settings);
@@ -259,6 +255,12 @@ fn find_boxes(
             keep_best(more, settings, detection);
         }
     }
+}
+
+/// The sizes of which some stand proven.
+fn proven_labels<'a>(boxes: impl Iterator<Item = &'a DetectedBox>) -> Vec<u32> {
+    let proven = boxes.filter(|b| b.proven_sides >= 3);
+    proven.map(|b| b.label).collect()
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.

@@ -8,6 +8,9 @@ pub const SEEN_SEAM: f64 = 0.1;
 /// Share of dark line from which on it is one.
 pub const LEAST_LINE: f64 = 0.6;
 
+/// Two cartons beside each other are at most so far apart, metres.
+pub const TOUCHES: f64 = 0.010;
+
 /// True when a side between two boxes shows a seam.
 pub fn any_seam(boxes: &[Candidate], pitch: f64) -> bool {
     boxes.iter().any(|a| {
@@ -90,7 +93,7 @@ pub fn islands(boxes: &[Candidate], patch: &Patch, breaks: &Breaks, unlevel: boo
 /// at least a third of it.
 pub fn touches(b: &Candidate, other: &Candidate, side: usize, pitch: f64) -> bool {
     let axis = side / 2;
-    let reach = (0.010 / pitch).ceil() as isize;
+    let reach = (TOUCHES / pitch).ceil() as isize;
     let (first, last) = (
         b.first[axis] as isize,
         (b.first[axis] + b.cells[axis]) as isize,
