@@ -11,7 +11,7 @@ use crate::{
     doubles::refuse_doubles,
     fold::place_by_folds,
     gate::{DepthImage, gate},
-    leaning::leaning,
+    leaning::{is_about_level, leaning},
     neighbours::neighbours,
     obstacles::obstacle_points,
     smeared::find_smeared,
@@ -222,7 +222,7 @@ fn find_boxes(
                 let beside: Vec<DetectedBox> = found
                     .iter()
                     .chain(&covered)
-                    .filter(|b| surface.is_level_with(b, settings))
+                    .filter(|b| is_about_level(&surface, b, settings))
                     .cloned()
                     .collect();
                 covered.extend(surface.cover(&mask, image, settings, &beside, &proven, rejected));
@@ -233,9 +233,17 @@ fn find_boxes(
     // What leans against the others is no part of their coverings, but of their sizes.
     let proven = proven_labels(found.iter().chain(&covered));
     for surface in surfaces.iter().filter(|s| !s.solved) {
-        for mut part in leaning(surface, image, settings, smallest) {
+        let all: Vec<&DetectedBox> = found.iter().chain(&covered).collect();
+        for mut part in leaning(surface, &all, image, settings, smallest) {
             let rejected = &mut detection.rejected;
-            covered.extend(part.cover(&mask, image, settings, &[], &proven, rejected));
+            let level = |b: &&DetectedBox| is_about_level(surface, b, settings);
+            let beside: Vec<DetectedBox> = found
+                .iter()
+                .chain(&covered)
+                .filter(level)
+                .cloned()
+                .collect();
+            covered.extend(part.cover(&mask, image, settings, &beside, &proven, rejected));
         }
     }
     place_between_ends(&mut found, image, settings);

@@ -1,27 +1,82 @@
 //! Stage 5c: cartons that stand tilted hang together with those that they touch.
 
+use depal_frames::Vector;
+
 use crate::{
-    VisionSettings,
+    DetectedBox, VisionSettings,
     components::components,
     gate::DepthImage,
+    plane::{Plane, PlaneFrame},
     surface::{Surface, least_pixels},
 };
 
-/// Parts of a surface that rise out of its plane on planes of their own.
+/// Lower angles are those of uneven ground and of noise, radians.
+const LEAST_LEAN: f64 = 0.02;
+
+/// Parts of a surface that rise out of its plane on planes of their own; out of that of what was found beside it where
+/// its own was fitted to both.
 pub fn leaning(
     surface: &Surface,
+    found: &[&DetectedBox],
     image: &DepthImage,
     settings: &VisionSettings,
     smallest: f64,
 ) -> Vec<Surface> {
-    /// Lower angles are those of uneven ground and of noise, radians.
-    const LEAST_LEAN: f64 = 0.02;
+    let own = rising(surface, &surface.frame.plane, image, settings, smallest);
+    if !own.is_empty() {
+        return own;
+    }
+    let level = nearest(surface, found, settings).map(|b| PlaneFrame::of_top(b).plane);
+    // One fitted to both leans by half of what the one does.
+    let normal = surface.frame.plane.normal();
+    match level {
+        Some(level) if level.normal().angle(&normal) > 0.5 * LEAST_LEAN => {
+            rising(surface, &level, image, settings, smallest)
+        }
+        _ => own,
+    }
+}
+
+/// True for what was found about as high as a surface, as a plane was fitted to cartons that hang together.
+pub fn is_about_level(surface: &Surface, found: &DetectedBox, settings: &VisionSettings) -> bool {
+    let height = from_middle(surface, found).dot(&surface.frame.plane.normal());
+    height.abs() < 3.0 * settings.plane_tolerance
+}
+
+/// The nearest of what was found about as high as a surface.
+fn nearest<'a>(
+    surface: &Surface,
+    found: &[&'a DetectedBox],
+    settings: &VisionSettings,
+) -> Option<&'a DetectedBox> {
+    let distance = |b: &DetectedBox| from_middle(surface, b).norm();
+    let level = found
+        .iter()
+        .filter(|b| is_about_level(surface, b, settings));
+    level
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .copied()
+}
+
+/// From the middle of a surface to that of a box.
+fn from_middle(surface: &Surface, b: &DetectedBox) -> Vector {
+    b.camera_from_box.translation.vector - surface.frame.origin.coords
+}
+
+/// Parts of a surface that rise out of a plane.
+fn rising(
+    surface: &Surface,
+    level: &Plane,
+    image: &DepthImage,
+    settings: &VisionSettings,
+    smallest: f64,
+) -> Vec<Surface> {
     let k = &image.intrinsics;
     let mut mask = vec![0u8; image.width * image.height];
     for run in &surface.component.runs {
         for u in run.first..=run.last {
             let at = run.row * image.width + u;
-            let expected = surface.frame.plane.depth(&k.ray(u as f64, run.row as f64));
+            let expected = level.depth(&k.ray(u as f64, run.row as f64));
             let z = f64::from(image.depth[at]);
             mask[at] = u8::from(z > 0.0 && z < expected - settings.plane_tolerance);
         }
@@ -31,7 +86,7 @@ pub fn leaning(
         .filter_map(|part| Surface::new(part, image, settings, smallest).ok())
         .filter_map(|mut part| {
             let normal = part.frame.plane.normal();
-            let lean = normal.angle(&surface.frame.plane.normal());
+            let lean = normal.angle(&level.normal());
             // As far as it is from where it leaves the other plane to where it meets it.
             part.reach = settings.plane_tolerance / lean.sin();
             (lean > LEAST_LEAN).then_some(part)

@@ -75,6 +75,21 @@ fn tape(frame: &mut DepthFrame, cartons: &[Carton], wide: f64) {
     }
 }
 
+/// The two that touch hang together where all others are set apart: a plane fitted to both leans half as much.
+#[test]
+fn one_that_leans_against_another_is_found_by_what_is_level_around() {
+    for seed in 1..5 {
+        let layout = Layout::Regular20;
+        let push = |cartons: &mut [Carton]| {
+            let carton = &mut cartons[seed as usize * 7 % 15];
+            carton.tilt[0] = 0.05;
+            carton.top += 0.5 * carton.size[1] * 0.05;
+            carton.y -= 0.005;
+        };
+        all_found("pushed", (layout, 5.0, seed), push, |_, _| {});
+    }
+}
+
 /// It touches the next one along its low side, where no edge shows: those that stand around say that its size is known.
 #[test]
 fn one_that_leans_among_others_is_one_of_their_size() {
