@@ -11,7 +11,9 @@ use crate::{
     parts::{is_needless, only_parts},
     patch::Patch,
     proven::proven,
-    seams::{LEAST_LINE, any_seam, islands, may_be_parts, seams_seen, touches, widest_gap},
+    seams::{
+        LEAST_LINE, TOUCHES, any_seam, islands, may_be_parts, seams_seen, touches, widest_gap,
+    },
     search::Candidate,
     shown::Shown,
     unknown::Unknown,
@@ -181,8 +183,10 @@ fn arrange_with(open: &Open, fixed: &[Candidate], unbroken: bool) -> Option<Arra
     let best = readings.first()?.clone();
     let breaks = Breaks::new(relief, relief.noise(1), uneven);
     unique |= seams_seen(&best, patch.pitch) >= MOST_SEAMS;
-    // One carton in a pit of higher ones stands on nothing that is seen, but all its sides are.
-    let framed = best.len() == 1 && best[0].sides.iter().all(|&s| s >= FRAMED);
+    // One carton in a pit of higher ones, or among others, stands on nothing that is seen, but all its sides are, or
+    // another one begins there.
+    let framed = best.len() == 1
+        && (0..4).all(|k| best[0].sides[k] >= FRAMED || meets_found(patch, &best[0], k, fixed));
     let plain = level && !any_seam(&best, patch.pitch) && !framed;
     let narrow = !is_wide(widest_gap(patch, &best), patch.pitch);
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
@@ -268,6 +272,29 @@ fn merit(boxes: &[Candidate], fixed: &[Candidate], pitch: f64) -> f64 {
         }
     }
     4.0 * seen / f64::max(whole, 1.0)
+}
+
+/// True when along a side stands what was found before.
+fn meets_found(patch: &Patch, b: &Candidate, side: usize, fixed: &[Candidate]) -> bool {
+    /// Share of the side along which it does.
+    const MET: f64 = 0.6;
+    const SAMPLES: usize = 20;
+    let (axis, across) = (side / 2, 1 - side / 2);
+    let (x, y) = b.centre(patch);
+    let half = b.cells.map(|n| 0.5 * n as f64 * patch.pitch);
+    let out = half[axis] + TOUCHES;
+    let met = (0..SAMPLES).filter(|n| {
+        let mut at = [x, y];
+        at[axis] += if side.is_multiple_of(2) { -out } else { out };
+        at[across] += half[across] * (2.0 * (*n as f64 + 0.5) / SAMPLES as f64 - 1.0);
+        let cell = [
+            (at[0] - patch.left) / patch.pitch,
+            (at[1] - patch.bottom) / patch.pitch,
+        ];
+        patch.blanks.iter().any(|blank| blank.holds(at[0], at[1]))
+            || fixed.iter().any(|f| f.holds(cell))
+    });
+    met.count() as f64 >= MET * SAMPLES as f64
 }
 
 fn same(a: &[Candidate], b: &[Candidate]) -> bool {

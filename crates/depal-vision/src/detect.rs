@@ -11,7 +11,7 @@ use crate::{
     doubles::refuse_doubles,
     fold::place_by_folds,
     gate::{DepthImage, gate},
-    leaning::leaning,
+    leaning::{is_about_level, leaning},
     neighbours::neighbours,
     obstacles::obstacle_points,
     smeared::find_smeared,
@@ -198,12 +198,7 @@ fn find_boxes(
         if open.is_empty() {
             continue;
         }
-        let proven: Vec<u32> = found
-            .iter()
-            .chain(&covered)
-            .filter(|b| b.proven_sides >= 3)
-            .map(|b| b.label)
-            .collect();
+        let proven = proven_labels(found.iter().chain(&covered));
         let rejected = &mut detection.rejected;
         if let [alone] = group[..] {
             let more = surfaces[alone].cover(&mask, image, settings, &[], &proven, rejected);
@@ -227,7 +222,7 @@ fn find_boxes(
                 let beside: Vec<DetectedBox> = found
                     .iter()
                     .chain(&covered)
-                    .filter(|b| surface.is_level_with(b, settings))
+                    .filter(|b| is_about_level(&surface, b, settings))
                     .cloned()
                     .collect();
                 covered.extend(surface.cover(&mask, image, settings, &beside, &proven, rejected));
@@ -235,11 +230,20 @@ fn find_boxes(
             Err(rejected) => detection.rejected.extend(rejected),
         }
     }
-    // What leans against the others is no part of their coverings.
+    // What leans against the others is no part of their coverings, but of their sizes.
+    let proven = proven_labels(found.iter().chain(&covered));
     for surface in surfaces.iter().filter(|s| !s.solved) {
-        for mut part in leaning(surface, image, settings, smallest) {
+        let all: Vec<&DetectedBox> = found.iter().chain(&covered).collect();
+        for mut part in leaning(surface, &all, image, settings, smallest) {
             let rejected = &mut detection.rejected;
-            covered.extend(part.cover(&mask, image, settings, &[], &[], rejected));
+            let level = |b: &&DetectedBox| is_about_level(surface, b, settings);
+            let beside: Vec<DetectedBox> = found
+                .iter()
+                .chain(&covered)
+                .filter(level)
+                .cloned()
+                .collect();
+            covered.extend(part.cover(&mask, image, settings, &beside, &proven, rejected));
         }
     }
     place_between_ends(&mut found, image, settings);
@@ -259,6 +263,12 @@ fn find_boxes(
             keep_best(more, settings, detection);
         }
     }
+}
+
+/// The sizes of which some stand proven.
+fn proven_labels<'a>(boxes: impl Iterator<Item = &'a DetectedBox>) -> Vec<u32> {
+    let proven = boxes.filter(|b| b.proven_sides >= 3);
+    proven.map(|b| b.label).collect()
 }
 
 /// Of boxes that overlap the most confident one, inside the region, nearest first.

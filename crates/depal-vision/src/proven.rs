@@ -11,8 +11,10 @@
 use depal_frames::BoxSize;
 
 use crate::{
+    blank::Blank,
     cover::kinds,
     parts::is_within_another,
+    patch::Patch,
     search::{Candidate, has_seam, measure},
     shown::{End, NEIGHBOUR, REACH, Shown, in_order, line_of},
 };
@@ -27,6 +29,8 @@ const SIZE_OFF: isize = 3;
 const OVERLAP: f64 = 0.05;
 /// Overlap from which on two places are one carton's.
 const SAME: f64 = 0.8;
+/// What was left out and is turned by more against the patch has no side along one of a place, radians.
+const MOST_TURN: f64 = 0.02;
 /// Share of a place that must be surface or unknown.
 const WHOLE: f64 = 0.96;
 
@@ -73,6 +77,13 @@ pub fn proven(
         }
     }
     let mut placed = fixed.to_vec();
+    placed.extend(
+        patch
+            .blanks
+            .iter()
+            .filter_map(|blank| found_before(patch, blank)),
+    );
+    let known = placed.len();
     let mut seen_whole = vec![false; sizes.len()];
     for label in beside.iter().copied().chain(fixed.iter().map(|f| f.label)) {
         seen_whole[label as usize] = true;
@@ -127,7 +138,36 @@ pub fn proven(
         let same_sizes = seen_whole == sizes_before;
         new = same_sizes.then(|| placed[before..].to_vec());
     }
-    placed.split_off(fixed.len())
+    placed.split_off(known)
+}
+
+/// What was left out of a patch, as far as it lies on it: a carton that was found before, which is a neighbour like any.
+fn found_before(patch: &Patch, blank: &Blank) -> Option<Candidate> {
+    let origin = [patch.left, patch.bottom];
+    let most = [patch.columns, patch.rows];
+    let (s, c) = blank.turn.sin_cos();
+    // Nearly a quarter turn: its first side lies along Y.
+    let turned = s.abs() > c.abs();
+    let half = if turned {
+        [blank.half[1], blank.half[0]]
+    } else {
+        blank.half
+    };
+    let at = |k: usize, sign: f64| {
+        let cell = (blank.middle[k] + sign * half[k] - origin[k]) / patch.pitch;
+        cell.round().clamp(0.0, most[k] as f64) as usize
+    };
+    let first = [at(0, -1.0), at(1, -1.0)];
+    let cells = [0, 1].map(|k| at(k, 1.0) - first[k]);
+    let turn = s.abs().min(c.abs());
+    (turn < MOST_TURN && cells.iter().all(|&n| n > 0)).then_some(Candidate {
+        label: u32::MAX,
+        turned,
+        first,
+        cells,
+        sides: [0.0; 4],
+        score: 0.0,
+    })
 }
 
 /// True when one may show a side of the other.

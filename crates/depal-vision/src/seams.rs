@@ -11,6 +11,9 @@ pub const LEAST_LINE: f64 = 0.6;
 /// Boxes in a row lie at most so far apart and beside the row, metres: farther and the gap is seen.
 const LEVEL_ROW: f64 = 0.005;
 
+/// Two cartons beside each other are at most so far apart, metres.
+pub const TOUCHES: f64 = 0.010;
+
 /// True when a side between two boxes shows a seam.
 pub fn any_seam(boxes: &[Candidate], pitch: f64) -> bool {
     boxes.iter().any(|a| {
@@ -124,7 +127,7 @@ fn greatest_common_divisor(a: usize, b: usize) -> usize {
 /// at least a third of it.
 pub fn touches(b: &Candidate, other: &Candidate, side: usize, pitch: f64) -> bool {
     let axis = side / 2;
-    let reach = (0.010 / pitch).ceil() as isize;
+    let reach = (TOUCHES / pitch).ceil() as isize;
     let (first, last) = (
         b.first[axis] as isize,
         (b.first[axis] + b.cells[axis]) as isize,

@@ -33,6 +33,14 @@ impl Candidate {
             && (0..2).all(|k| self.first[k].abs_diff(other.first[k]) <= 6)
     }
 
+    /// True of a place inside, cells.
+    pub fn holds(&self, at: [f64; 2]) -> bool {
+        (0..2).all(|k| {
+            let from_first = at[k] - self.first[k] as f64;
+            (0.0..self.cells[k] as f64).contains(&from_first)
+        })
+    }
+
     /// Middle in plane coordinates of the patch's frame.
     pub fn centre(&self, patch: &Patch) -> (f64, f64) {
         (

@@ -62,7 +62,7 @@ impl Shown<'_> {
         }
         // Where the surface ends along a part of a side only, as ground does beside what stands on it, a step must
         // part it from what goes on along the rest.
-        match (edge, self.step(c, side)) {
+        let own = match (edge, self.step(c, side)) {
             (Some(edge), Some(step))
                 if (edge.line - step.line).abs() <= SAME && !along_all(&edge) =>
             {
@@ -70,7 +70,17 @@ impl Shown<'_> {
             }
             (_, Some(step)) => Some(step),
             (Some(edge), None) if along_all(&edge) => Some(edge),
-            _ => Self::neighbour(c, side, placed),
+            _ => None,
+        };
+        if own.as_ref().is_some_and(|end| end.clear) {
+            return own;
+        }
+        // A piece of edge where a proven carton begins is the gap between the two.
+        match (own, Self::neighbour(c, side, placed)) {
+            (Some(own), Some(next)) if (own.line - next.line).abs() <= SAME => {
+                Some(End { clear: true, ..own })
+            }
+            (own, next) => own.or(next),
         }
     }
 

@@ -34,15 +34,16 @@ pub fn stands(
             let sign = if side % 2 == 0 { -1.0 } else { 1.0 };
             for n in 0..SAMPLES {
                 let along = (n as f64 + 0.5) / SAMPLES as f64 * 2.0 - 1.0;
-                let p = if side < 2 {
-                    patch
-                        .frame
-                        .point(x + sign * (half[0] + BEYOND), y + along * half[1])
+                let [x, y] = if side < 2 {
+                    [x + sign * (half[0] + BEYOND), y + along * half[1]]
                 } else {
-                    patch
-                        .frame
-                        .point(x + along * half[0], y + sign * (half[1] + BEYOND))
+                    [x + along * half[0], y + sign * (half[1] + BEYOND)]
                 };
+                // What stands beside one that leans is lower, but no ground.
+                if patch.blanks.iter().any(|blank| blank.holds(x, y)) {
+                    continue;
+                }
+                let p = patch.frame.point(x, y);
                 let (u, v) = k.project(&p);
                 if image.class(u, v, p.z, settings.plane_tolerance) == Class::Deep {
                     let i = (v + 0.5) as usize * image.width + (u + 0.5) as usize;

@@ -48,8 +48,8 @@ impl Surface {
             },
         };
         let mut labels: Vec<u32> = beside.iter().map(|b| b.label).collect();
-        if patch.averaged {
-            // Such a camera shows few seams: what stands elsewhere says which sizes there are.
+        if patch.averaged || self.reach > 0.0 {
+            // Such a camera shows few seams, and what leans stands among others: those say which sizes there are.
             labels.extend(proven);
         }
         let open = Open {
