@@ -20,15 +20,11 @@ pub struct Component {
 /// All pieces of a mask that have at least so many pixels, in order of their first one.
 pub fn components(mask: &[u8], width: usize, least_pixels: usize) -> Vec<Component> {
     let mut runs: Kept<Run> = Kept::with_capacity(8192);
-    let mut parent: Kept<usize> = Kept::with_capacity(8192);
-    let mut above = 0..0;
     for (row, line) in mask.chunks_exact(width).enumerate() {
-        let start = runs.len();
         let mut u = 0;
         while let Some(offset) = first_not::<0>(&line[u..]) {
             let first = u + offset;
             let length = first_not::<1>(&line[first..]).unwrap_or(width - first);
-            parent.push(runs.len());
             runs.push(Run {
                 row,
                 first,
@@ -36,19 +32,32 @@ pub fn components(mask: &[u8], width: usize, least_pixels: usize) -> Vec<Compone
             });
             u = first + length;
         }
+    }
+    connected(&runs, least_pixels)
+}
+
+/// All pieces that runs in order make, of those with at least so many pixels, in order of their first one.
+pub fn connected(runs: &[Run], least_pixels: usize) -> Vec<Component> {
+    let mut parent: Kept<usize> = Kept::with_capacity(runs.len());
+    parent.extend(0..runs.len());
+    let mut above = 0..0;
+    for line in runs.chunk_by(|a, b| a.row == b.row) {
+        let here = above.end..above.end + line.len();
         let mut upper = above.start;
-        for lower in start..runs.len() {
-            while upper < above.end && runs[upper].last < runs[lower].first {
+        for lower in here.clone() {
+            let run = runs[lower];
+            while upper < above.end && (runs[upper].row + 1 < run.row || runs[upper].last < run.first)
+            {
                 upper += 1;
             }
             let mut touching = upper;
-            while touching < above.end && runs[touching].first <= runs[lower].last {
+            while touching < above.end && runs[touching].first <= run.last {
                 let (a, b) = (root(&mut parent, touching), root(&mut parent, lower));
                 parent[a.max(b)] = a.min(b);
                 touching += 1;
             }
         }
-        above = start..runs.len();
+        above = here;
     }
     // Pixels and runs of each piece, at its first run.
     let mut sizes = vec![[0u32; 2]; runs.len()];

@@ -2,7 +2,7 @@
 
 use crate::{
     VisionSettings,
-    components::{Run, components},
+    components::{Run, connected},
     gate::DepthImage,
     surface::{Surface, least_pixels},
     widest::with_widest_vectors,
@@ -32,14 +32,22 @@ pub fn leaning(
     if count < least {
         return Vec::new();
     }
-    let mut mask = vec![0u8; image.width * image.height];
+    let mut runs: Vec<Run> = Vec::new();
     for &run in &surface.component.runs {
-        let row = &mut mask[run.row * image.width..][run.first..=run.last];
-        for (pixel, rises) in row.iter_mut().zip(rising(run)) {
-            *pixel = u8::from(rises);
+        let mut last = None;
+        for u in (run.first..).zip(rising(run)).filter_map(|(u, rises)| rises.then_some(u)) {
+            match (last, runs.last_mut()) {
+                (Some(before), Some(run)) if before + 1 == u => run.last = u,
+                _ => runs.push(Run {
+                    first: u,
+                    last: u,
+                    ..run
+                }),
+            }
+            last = Some(u);
         }
     }
-    components(&mask, image.width, least)
+    connected(&runs, least)
         .into_iter()
         .filter_map(|part| Surface::new(part, image, settings, smallest).ok())
         .filter_map(|mut part| {
