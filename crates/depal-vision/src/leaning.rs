@@ -35,7 +35,10 @@ pub fn leaning(
     let mut runs: Vec<Run> = Vec::new();
     for &run in &surface.component.runs {
         let mut last = None;
-        for u in (run.first..).zip(rising(run)).filter_map(|(u, rises)| rises.then_some(u)) {
+        for u in (run.first..)
+            .zip(rising(run))
+            .filter_map(|(u, rises)| rises.then_some(u))
+        {
             match (last, runs.last_mut()) {
                 (Some(before), Some(run)) if before + 1 == u => run.last = u,
                 _ => runs.push(Run {
