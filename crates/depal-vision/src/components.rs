@@ -20,15 +20,11 @@ pub struct Component {
 /// All pieces of a mask that have at least so many pixels, in order of their first one.
 pub fn components(mask: &[u8], width: usize, least_pixels: usize) -> Vec<Component> {
     let mut runs: Kept<Run> = Kept::with_capacity(8192);
-    let mut parent: Kept<usize> = Kept::with_capacity(8192);
-    let mut above = 0..0;
     for (row, line) in mask.chunks_exact(width).enumerate() {
-        let start = runs.len();
         let mut u = 0;
         while let Some(offset) = first_not::<0>(&line[u..]) {
             let first = u + offset;
             let length = first_not::<1>(&line[first..]).unwrap_or(width - first);
-            parent.push(runs.len());
             runs.push(Run {
                 row,
                 first,
@@ -36,19 +32,33 @@ pub fn components(mask: &[u8], width: usize, least_pixels: usize) -> Vec<Compone
             });
             u = first + length;
         }
+    }
+    connected(&runs, least_pixels)
+}
+
+/// All pieces that runs in order make, of those with at least so many pixels, in order of their first one.
+pub fn connected(runs: &[Run], least_pixels: usize) -> Vec<Component> {
+    let mut parent: Kept<usize> = Kept::with_capacity(runs.len());
+    parent.extend(0..runs.len());
+    let mut above = 0..0;
+    for line in runs.chunk_by(|a, b| a.row == b.row) {
+        let here = above.end..above.end + line.len();
         let mut upper = above.start;
-        for lower in start..runs.len() {
-            while upper < above.end && runs[upper].last < runs[lower].first {
+        for lower in here.clone() {
+            let run = runs[lower];
+            while upper < above.end
+                && (runs[upper].row + 1 < run.row || runs[upper].last < run.first)
+            {
                 upper += 1;
             }
             let mut touching = upper;
-            while touching < above.end && runs[touching].first <= runs[lower].last {
+            while touching < above.end && runs[touching].first <= run.last {
                 let (a, b) = (root(&mut parent, touching), root(&mut parent, lower));
                 parent[a.max(b)] = a.min(b);
                 touching += 1;
             }
         }
-        above = start..runs.len();
+        above = here;
     }
     // Pixels and runs of each piece, at its first run.
     let mut sizes = vec![[0u32; 2]; runs.len()];
@@ -135,4 +145,44 @@ fn root(parent: &mut [usize], mut i: usize) -> usize {
         i = parent[i];
     }
     i
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(row: usize, first: usize, last: usize) -> Run {
+        Run { row, first, last }
+    }
+
+    #[test]
+    fn runs_of_neighbouring_rows_that_overlap_are_one_piece() {
+        // Two arms of a U, then one two rows below, and one that only touches by its corner.
+        let runs = [
+            run(0, 0, 3),
+            run(0, 6, 9),
+            run(1, 2, 7),
+            run(3, 2, 7),
+            run(4, 8, 9),
+        ];
+        let found = connected(&runs, 1);
+        let sizes: Vec<usize> = found.iter().map(|c| c.pixels).collect();
+        assert_eq!(sizes, [14, 6, 2]);
+        assert_eq!(connected(&runs, 3).len(), 2);
+    }
+
+    #[test]
+    fn zeros_are_found_once_each_wherever_they_lie() {
+        for length in [0, 5, 16, 17, 31, 32, 45] {
+            let line: Vec<u8> = (0..length).map(|k| u8::from(k % 5 != 1)).collect();
+            let other: Vec<u8> = (0..length).map(|k| u8::from(k % 3 != 0)).collect();
+            let (mut all, mut some) = (Vec::new(), Vec::new());
+            each_zero(&line, None, |k| all.push(k));
+            each_zero(&line, Some(&other), |k| some.push(k));
+            let expected: Vec<usize> = (0..length).filter(|k| k % 5 == 1).collect();
+            assert_eq!(all, expected, "{length}");
+            let expected: Vec<usize> = expected.into_iter().filter(|k| k % 3 != 0).collect();
+            assert_eq!(some, expected, "{length}");
+        }
+    }
 }

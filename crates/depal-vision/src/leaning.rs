@@ -4,7 +4,7 @@ use depal_frames::Vector;
 
 use crate::{
     DetectedBox, VisionSettings,
-    components::{Run, components},
+    components::{Run, connected},
     gate::DepthImage,
     plane::{Plane, PlaneFrame},
     surface::{Surface, least_pixels},
@@ -87,14 +87,25 @@ fn rising(
     if count < least {
         return Vec::new();
     }
-    let mut mask = vec![0u8; image.width * image.height];
+    let mut runs: Vec<Run> = Vec::new();
     for &run in &surface.component.runs {
-        let row = &mut mask[run.row * image.width..][run.first..=run.last];
-        for (pixel, is_nearer) in row.iter_mut().zip(rises(run)) {
-            *pixel = u8::from(is_nearer);
+        let mut last = None;
+        for u in (run.first..)
+            .zip(rises(run))
+            .filter_map(|(u, is_nearer)| is_nearer.then_some(u))
+        {
+            match (last, runs.last_mut()) {
+                (Some(before), Some(run)) if before + 1 == u => run.last = u,
+                _ => runs.push(Run {
+                    first: u,
+                    last: u,
+                    ..run
+                }),
+            }
+            last = Some(u);
         }
     }
-    components(&mask, image.width, least)
+    connected(&runs, least)
         .into_iter()
         .filter_map(|part| Surface::new(part, image, settings, smallest).ok())
         .filter_map(|mut part| {

@@ -116,6 +116,7 @@ mod joint;
 mod lean;
 mod leaning;
 mod level;
+mod look;
 mod lost;
 mod measure;
 mod misfit;

@@ -103,28 +103,33 @@ fn scan_lines(scan: &Scan) -> ScanLines {
     };
     let (half, length) = (extents[axis] / 2.0, extents[1 - axis] * 0.94);
     let lines = (length / stride).floor().max(1.0) as usize;
-    let mut crossings = Vec::with_capacity(lines);
     let tolerance = tolerance as f32;
+    // First where all of them lie, then where each ends: the processor does several of the former at once.
+    let mut across = Vec::with_capacity(lines);
     for line in 0..lines {
         let along = (line as f64 + 0.5) / lines as f64 * length - length / 2.0;
         let base = frame.origin + tangent * along;
         let ends = [half - reach, half + reach].map(|at| base + outward * at);
         let [(u0, v0), (u1, v1)] = ends.map(|p| k.project(&p));
         // From pixel to pixel along the longer axis; so short a line is straight in depth, too.
-        let count = f64::from((u1 - u0).abs().max((v1 - v0).abs()).min(1e4) as i32 + 1);
-        let per = 1.0 / count;
+        let count = (u1 - u0).abs().max((v1 - v0).abs()).min(1e4) as i32 + 1;
+        let per = 1.0 / f64::from(count);
         let (du, dv) = (((u1 - u0) * per) as f32, ((v1 - v0) * per) as f32);
         let dz = ((ends[1].z - ends[0].z) * per) as f32;
         // Half a pixel added: cutting off rounds to the nearest.
-        let places = Places {
+        across.push(Places {
             first: [(u0 + 0.5) as f32, (v0 + 0.5) as f32, ends[0].z as f32],
             step: [du, dv, dz],
-        };
+            last: count,
+        });
+    }
+    let mut crossings = Vec::with_capacity(lines);
+    for places in &across {
         let mut last: Option<i32> = None;
         let mut from = 0;
-        'line: while from <= count as i32 {
+        'line: while from <= places.last {
             let (pixels, expected) = places.together(from, image);
-            let together = TOGETHER.min((count as i32 + 1 - from) as usize);
+            let together = TOGETHER.min((places.last + 1 - from) as usize);
             for (n, (&pixel, &expected)) in pixels.iter().zip(&expected).enumerate().take(together)
             {
                 let step = from + n as i32;
@@ -178,6 +183,8 @@ fn scan_lines(scan: &Scan) -> ScanLines {
 struct Places {
     first: [f32; 3],
     step: [f32; 3],
+    /// Number of the last one.
+    last: i32,
 }
 
 impl Places {

@@ -44,16 +44,16 @@ impl pulp::WithSimd for MaskJob<'_> {
 fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f32, noise: f32) -> Kept<u8> {
     let (width, height) = (image.width, image.height);
     let lean = Lean::of(image, f64::from(step));
-    let (top, bottom) = image.window.rows;
-    // Each row of the window is written below.
+    let (top, bottom) = rows_in_region(image);
+    // Each of these rows is written below.
     let mut mask = Kept::of_any(width * height, 0u8);
-    mask[..top.min(height) * width].fill(0);
-    mask[bottom.min(height) * width..].fill(0);
+    mask[..top * width].fill(0);
+    mask[bottom * width..].fill(0);
     let mut nearest = RollingMin::new(width, f32::MAX);
     let mut eroded = RollingMin::new(width, 0u8);
     let mut filled = vec![FilledRow::new(width); WINDOW];
     let mut low = vec![f32::MAX; width];
-    let mut surface = vec![0u8; width];
+    let mut surface = vec![0u8; width + 2 * REACH];
     let mut holes = holes.iter().peekable();
     for v in top.saturating_sub(REACH)..bottom + 2 * REACH {
         // Row v comes in; the depth window is complete for row v - 2, the surface window for v - 4.
@@ -62,7 +62,7 @@ fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f32, noise: f32) -> Ke
             row.fetch(image, v);
             while let Some((i, z)) = holes.next_if(|(i, _)| *i < (v + 1) * width) {
                 if *i >= v * width {
-                    row.depth[i - v * width] = *z;
+                    row.depth[REACH + i - v * width] = *z;
                     row.inside[i - v * width] = 1;
                 }
             }
@@ -76,13 +76,11 @@ fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f32, noise: f32) -> Ke
         let Some(middle) = v.checked_sub(REACH) else {
             continue;
         };
-        if middle >= top && middle < bottom.min(height) {
+        if middle >= top && middle < bottom {
             nearest.minimum(&mut low);
             let row = &filled[middle % WINDOW];
-            for (out, ((&z, &low), &inside)) in surface
-                .iter_mut()
-                .zip(row.depth.iter().zip(&low).zip(&row.inside))
-            {
+            let places = row.depth[REACH..].iter().zip(&low).zip(&row.inside);
+            for (out, ((&z, &low), &inside)) in surface[REACH..].iter_mut().zip(places) {
                 let noise = noise * low * low;
                 let step = if noise > step { noise } else { step };
                 *out = inside & u8::from(z - low < step);
@@ -93,7 +91,7 @@ fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f32, noise: f32) -> Ke
         }
         if let Some(done) = middle.checked_sub(REACH)
             && done >= top
-            && done < bottom.min(height)
+            && done < bottom
         {
             eroded.minimum(&mut mask[done * width..(done + 1) * width]);
         }
@@ -101,9 +99,20 @@ fn mask(image: &DepthImage, holes: &[(usize, f32)], step: f32, noise: f32) -> Ke
     mask
 }
 
+/// The first row in which a pixel is in the region, and the one after the last.
+fn rows_in_region(image: &DepthImage) -> (usize, usize) {
+    let (top, bottom) = image.window.rows;
+    let is_any = |row: &[u8]| row.iter().fold(0, |any, inside| any | inside) != 0;
+    let rows = || image.in_region.chunks_exact(image.width);
+    let first = rows().position(is_any).unwrap_or(bottom);
+    let last = rows().rposition(is_any).unwrap_or(first);
+    let end = image.height.min(bottom);
+    (top.max(first).min(end), end.min(last + 1))
+}
+
 #[derive(Clone)]
 struct FilledRow {
-    /// Metres, `f32::MAX` where nothing was measured.
+    /// Metres, `f32::MAX` where nothing was measured, and in a margin at both ends.
     depth: Vec<f32>,
     inside: Vec<u8>,
 }
@@ -111,7 +120,7 @@ struct FilledRow {
 impl FilledRow {
     fn new(width: usize) -> Self {
         Self {
-            depth: vec![f32::MAX; width],
+            depth: vec![f32::MAX; width + 2 * REACH],
             inside: vec![0; width],
         }
     }
@@ -119,7 +128,8 @@ impl FilledRow {
     #[inline(always)]
     fn fetch(&mut self, image: &DepthImage, v: usize) {
         let range = v * image.width..(v + 1) * image.width;
-        for (out, &z) in self.depth.iter_mut().zip(&image.depth[range.clone()]) {
+        let places = self.depth[REACH..].iter_mut();
+        for (out, &z) in places.zip(&image.depth[range.clone()]) {
             *out = if z > 0.0 { z } else { f32::MAX };
         }
         self.inside.copy_from_slice(&image.in_region[range]);
@@ -128,7 +138,8 @@ impl FilledRow {
     /// Multiplies each depth by a factor that grows from column to column.
     #[inline(always)]
     fn flatten(&mut self, (first, more): (f32, f32)) {
-        for (u, z) in self.depth.iter_mut().enumerate() {
+        let width = self.inside.len();
+        for (u, z) in self.depth[REACH..][..width].iter_mut().enumerate() {
             *z *= first + more * u as f32;
         }
     }
@@ -138,7 +149,6 @@ impl FilledRow {
 struct RollingMin<T> {
     /// Row minima over five columns, by row number modulo five.
     rows: Vec<Vec<T>>,
-    padded: Vec<T>,
     outside: T,
 }
 
@@ -147,17 +157,16 @@ impl<T: Copy + PartialOrd> RollingMin<T> {
     fn new(width: usize, outside: T) -> Self {
         Self {
             rows: vec![vec![outside; width]; WINDOW],
-            padded: vec![outside; width + 2 * REACH],
             outside,
         }
     }
 
+    /// A row with a margin of what lies beyond the image at both ends.
     #[inline(always)]
     fn push(&mut self, v: usize, row: &[T]) {
         let min = |a: T, b: T| if b < a { b } else { a };
-        let width = row.len();
-        self.padded[REACH..REACH + width].copy_from_slice(row);
-        let shifted: [&[T]; WINDOW] = std::array::from_fn(|k| &self.padded[k..k + width]);
+        let width = row.len() - 2 * REACH;
+        let shifted: [&[T]; WINDOW] = std::array::from_fn(|k| &row[k..k + width]);
         let out = &mut self.rows[v % WINDOW];
         for (u, out) in out.iter_mut().enumerate() {
             *out = min(
