@@ -13,8 +13,9 @@ use crate::{
     gate::DepthImage,
     patch::pixel_pitch,
     plane::PlaneFrame,
+    sharp::sharp_tolerance,
     sides::{Fitting, fit_rectangle},
-    verify::{LEAST_SEEN, sharp_tolerance},
+    verify::LEAST_SEEN,
 };
 
 /// The surface is at most so many pixels longer or shorter than the carton: else one of the ends is none, but lies in

@@ -13,7 +13,7 @@ use strip::Strip;
 
 use crate::{
     DetectedBox, VisionSettings, gate::DepthImage, patch::pixel_pitch, plane::PlaneFrame,
-    verify::sharp_tolerance,
+    sharp::sharp_tolerance,
 };
 
 /// Width of the bins of a profile, metres.

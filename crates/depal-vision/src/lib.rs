@@ -36,7 +36,8 @@
 //!    `ends`: where a surface ends, whatever is lost of its outermost pixels; `between_ends`: cartons lie in the
 //!    middle. `fold`: rounded edges, by where the tops begin to fall. `inset`: how far inside the real edges this camera shows them.
 //!    `joint`: the cartons of a covering are placed together, by sides, by seams and by each other.
-//! 8. `verify`: size, wholeness, cover, tilt. `runs_on`: a top ends at its sides; a corner of a slab does not.
+//! 8. `verify`: size, wholeness, cover, tilt; `sharp`: which pixels lie on a plane. `walls`: what fills the room between
+//!    taller ones. `runs_on`: a top ends at its sides; a corner of a slab does not.
 //!    `bearers`: boards of the pallet are none. `turn_together`: what stands too close to be turned much.
 //!    `doubles`: two that look like one of another size; `gaps`: whether the gap between them could hide.
 //!    `obstacles`: what nothing reported explains.
@@ -142,6 +143,7 @@ mod seams;
 mod search;
 mod settings;
 mod settle;
+mod sharp;
 mod shown;
 mod sides;
 mod smear;
@@ -159,6 +161,7 @@ mod turn_together;
 mod unknown;
 mod valleys;
 mod verify;
+mod walls;
 mod widest;
 
 pub use detect::{Stage, detect, detect_any_size, detect_staged};

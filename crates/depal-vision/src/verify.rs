@@ -17,6 +17,7 @@ use crate::{
         fit_rectangle,
     },
     spaced_points::SpacedPoints,
+    walls::{between, is_between},
 };
 
 /// Least share of scan lines with an edge for a side to count as seen.
@@ -138,6 +139,7 @@ fn check(
     } else {
         tolerance
     };
+    let allowed = settings.size_tolerance + pitch;
     let mut fit = fit_rectangle(image, frame, extents, sharp, &fitting);
     for axis in 0..2 {
         let blind =
@@ -151,10 +153,11 @@ fn check(
             if !blind(&again) {
                 fit = again;
             }
+        } else if let Some(frame) = between(image, &fit, extents, axis, allowed) {
+            fit = fit_rectangle(image, frame, extents, sharp, &fitting);
         }
     }
 
-    let allowed = settings.size_tolerance + pitch;
     let mut proven = 0;
     let true_edges = fit
         .sides
@@ -170,6 +173,7 @@ fn check(
             one.seen >= LEAST_SEEN && (!one.shadowed || other.seen >= LEAST_SEEN)
         };
         proven += usize::from(alone(&low, &high)) + usize::from(alone(&high, &low));
+        proven += usize::from(is_between(image, &fit, extents, axis, allowed));
         if low.seen >= LEAST_SEEN && high.seen >= LEAST_SEEN {
             let error = low.offset + high.offset + 2.0 * INSET_PIXELS * pitch;
             if low.shadowed != high.shadowed && error < 0.0 {
@@ -252,37 +256,6 @@ fn check(
         proven_sides: proven as u32,
     };
     Ok((found, measured, sharp))
-}
-
-/// How far from a top's plane its pixels lie at most: more than that, and they show something else. From the noise
-/// in the middle of the top.
-pub fn sharp_tolerance(image: &DepthImage, frame: &PlaneFrame, settings: &VisionSettings) -> f64 {
-    /// Half the side of the square that is looked at, metres, and samples along it.
-    const HALF: f64 = 0.03;
-    const SAMPLES: usize = 12;
-    const STEP: f64 = 2.0 * HALF / SAMPLES as f64;
-    let (mut squares, mut count) = (0.0, 0.0);
-    let (width, height) = (image.width as f32, image.height as f32);
-    let tolerance = settings.plane_tolerance as f32;
-    for j in 0..SAMPLES {
-        let first = frame.point(0.5 * STEP - HALF, (j as f64 + 0.5) * STEP - HALF);
-        let points = SpacedPoints::new(&image.intrinsics, first, frame.x * STEP);
-        for i in 0..SAMPLES {
-            let (u, v, expected) = points.at(i);
-            let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
-            if !inside {
-                continue;
-            }
-            let (u, v) = (u as i32, v as i32);
-            let off = image.depth[v as usize * image.width + u as usize] - expected;
-            if off.abs() <= tolerance {
-                squares += f64::from(off * off);
-                count += 1.0;
-            }
-        }
-    }
-    let rms = (squares / f64::max(count, 1.0)).sqrt();
-    settings.plane_tolerance.min((SHARP * rms).max(LEAST_SHARP))
 }
 
 /// Pose with X along the long side, of its two directions the one towards positive camera X; within

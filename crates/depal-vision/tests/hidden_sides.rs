@@ -92,3 +92,40 @@ fn a_side_hidden_by_a_taller_neighbour_follows_from_the_size() {
     }
     assert!(failed.is_empty(), "{failed:#?}");
 }
+
+/// Light from the right does not reach the right end of the lower one, and on the left a wall stands so close that what
+/// is lost there may be its shadow as well as a gap.
+#[test]
+fn a_top_between_two_taller_ones_fills_the_room() {
+    let spec = camera(SensorSpec::laser_3m());
+    let at = looking_down(LOW + DISTANCE);
+    let mut score = Score::default();
+    for (seed, x) in [(0, -0.24), (1, -0.2), (2, -0.16)] {
+        let carton = |n: i32, top: f64| Carton {
+            x: x + f64::from(n) * (SIZE[0] + GAP),
+            y: 0.05,
+            top,
+            yaw: 0.0,
+            tilt: [0.0; 2],
+            size: SIZE,
+        };
+        let cartons = [
+            carton(0, LOW),
+            carton(-1, LOW + HEIGHT),
+            carton(1, LOW + HEIGHT),
+        ];
+        let under = [carton(-1, LOW), carton(1, LOW)];
+        let all = (0..).zip(cartons.iter().chain(&under));
+        let mut shapes: Vec<_> = all.map(|(id, c)| c.shape(id)).collect();
+        let below = LOW - HEIGHT - 0.002;
+        let (centre, size) = ([0.0, 0.0, below / 2.0], [1.4, 1.0, below]);
+        shapes.push(block(5, centre, size, 0.0, depal_camera::Material::KRAFT));
+        let frame = picture(&spec, &at, &shapes, seed);
+        let settings = VisionSettings::new(vec![BoxSize::from_mm(SIZE.map(|s| s * 1e3))]);
+        score.add(&at, &cartons, &detect(&frame, &settings).boxes);
+    }
+    let line = score.line();
+    assert_eq!(score.false_positives, 0, "{line}");
+    assert_eq!(score.found, score.wanted, "{line}");
+    assert!(quantile(&score.xy_mm, 1.0) <= 3.0, "{line}");
+}
