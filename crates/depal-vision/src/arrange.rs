@@ -188,6 +188,10 @@ fn arrange_with(open: &Open, fixed: &[Candidate], unbroken: bool) -> Option<Arra
     let framed = best.len() == 1
         && (0..4).all(|k| best[0].sides[k] >= FRAMED || meets_found(patch, &best[0], k, fixed));
     let plain = level && !any_seam(&best, patch.pitch) && !framed;
+    // What nothing but its outline tells from a sheet must end where the cartons do, all around.
+    if plain && !patch.is_smeared() && !is_outlined(&best, fixed, patch.pitch) {
+        return None;
+    }
     let narrow = !is_wide(widest_gap(patch, &best), patch.pitch);
     let rivals: Vec<&Vec<Candidate>> = readings[1..]
         .iter()
@@ -272,6 +276,19 @@ fn merit(boxes: &[Candidate], fixed: &[Candidate], pitch: f64) -> f64 {
         }
     }
     4.0 * seen / f64::max(whole, 1.0)
+}
+
+/// True when the surface ends along each side at which no other carton begins.
+fn is_outlined(boxes: &[Candidate], fixed: &[Candidate], pitch: f64) -> bool {
+    const MOSTLY: f64 = 0.5;
+    let others = |b: &Candidate, side: usize| {
+        let all = boxes.iter().chain(fixed);
+        all.filter(|o| o.first != b.first)
+            .any(|o| touches(b, o, side, pitch))
+    };
+    boxes
+        .iter()
+        .all(|b| (0..4).all(|side| b.sides[side] >= MOSTLY || others(b, side)))
 }
 
 /// True when along a side stands what was found before.
