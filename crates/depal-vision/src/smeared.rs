@@ -36,6 +36,8 @@ const ONE_HEIGHT: f64 = 0.15;
 const LEAST_SEEN: f64 = 0.9;
 /// A carton's place is known to so much, or it is not reported, metres.
 const KNOWN: f64 = 0.010;
+/// A box found before lies where it does by itself when so many of its sides are seen.
+const OUTLINED: u32 = 2;
 
 /// Finds cartons on every height that those found so far leave open. What was found by outlines of its own must be
 /// among them, or nothing is said about that height.
@@ -216,9 +218,12 @@ fn layer(
                 .all(|r| r.tiles.iter().any(|o| o.is_like(tile)))
         })
         .collect();
-    // What no reading that may be true contains was misread before: neither is reported.
+    // Where several readings may be true, those found before must all lie where they do by themselves: others are but
+    // one covering of a part.
+    let outlined = known.iter().all(|k| k.proven_sides >= OUTLINED);
     let may_be = |k: &DetectedBox| {
-        first.is_one_of(k, &level.frame) || rivals.iter().any(|r| r.is_one_of(k, &level.frame))
+        first.is_one_of(k, &level.frame)
+            || outlined && rivals.iter().any(|r| r.is_one_of(k, &level.frame))
     };
     let denied: Vec<DetectedBox> = known
         .iter()
