@@ -386,3 +386,6 @@ impl Level {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
