@@ -28,6 +28,9 @@ use crate::{
 
 /// Tolerances are so many deviations of a depth by noise.
 const SIGMAS: f64 = 6.0;
+/// Of a top so much must be left between the smears of its sides, pixels, or nothing is reported: fifteen blocks of
+/// those by which it is judged how plane it is. Of less, another arrangement was taken for the right one now and then.
+const LEAST_PLANE: f64 = 75.0;
 /// Tops are no less plane than the picture is noisy, deviations of a depth: else they are no tops.
 const MOST_RELIEF: f64 = 0.9;
 /// Surfaces of one height differ by no more than this share of a carton's height.
@@ -236,6 +239,9 @@ fn layer(
             denied,
             ..Layer::refused(RejectReason::Ambiguous)
         };
+    }
+    if shortest < (smear as f64 + LEAST_PLANE) * cell {
+        return Layer::default();
     }
     let placed = |n: usize| first.spread[n].iter().all(|s| *s <= KNOWN);
     Layer {
