@@ -167,7 +167,7 @@ impl Level {
                             .filter(|k| *k < count)
                     };
                     let mut begun = false;
-                    for by in 1..=smear {
+                    for by in 1..=smear / 2 + 1 {
                         let Some((here, beyond)) = step(by).zip(step(by + ahead)) else {
                             break;
                         };
@@ -263,9 +263,19 @@ impl Level {
         [low, low + self.count[axis] as f64 * self.cell]
     }
 
+    /// The border between cells that is next to a place along an axis, also beyond the level.
+    fn border(&self, axis: usize, at: f64) -> f64 {
+        ((at - self.low[axis]) / self.cell).round()
+    }
+
     fn index(&self, axis: usize, at: f64) -> usize {
-        let cell = ((at - self.low[axis]) / self.cell).round();
-        cell.clamp(0.0, self.count[axis] as f64) as usize
+        self.border(axis, at).clamp(0.0, self.count[axis] as f64) as usize
+    }
+
+    /// How many cells a rectangle has, those beyond the level too: whole ones, as the sums count them.
+    fn cells_within(&self, low: [f64; 2], high: [f64; 2]) -> f64 {
+        let [columns, rows] = [0, 1].map(|k| self.border(k, high[k]) - self.border(k, low[k]));
+        columns * rows
     }
 
     /// What is at a place.
@@ -287,7 +297,7 @@ impl Level {
         if i1 <= i0 || j1 <= j0 {
             return [0.0; 2];
         }
-        let whole = (high[0] - low[0]) * (high[1] - low[1]) / (self.cell * self.cell);
+        let whole = self.cells_within(low, high);
         let n = self.count[0] + 1;
         [&self.on, &self.deep].map(|s| {
             let sum = s[j1 * n + i1] + s[j0 * n + i0] - s[j0 * n + i1] - s[j1 * n + i0];
@@ -302,8 +312,7 @@ impl Level {
         let n = self.count[0] + 1;
         let s = &self.flat;
         let sum = s[j1 * n + i1] + s[j0 * n + i0] - s[j0 * n + i1] - s[j1 * n + i0];
-        let whole = (high[0] - low[0]) * (high[1] - low[1]) / (self.cell * self.cell);
-        f64::from(sum) / whole.max(1.0)
+        f64::from(sum) / self.cells_within(low, high).max(1.0)
     }
 
     /// Places of a lattice around which, up to half of `slack` metres, all is surface.
@@ -377,3 +386,6 @@ impl Level {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

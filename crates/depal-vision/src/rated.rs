@@ -6,7 +6,7 @@ use crate::{
     misfit::{Misfit, OVERFIT_BLOCKS, WORSE_BLOCKS},
     tile_fit::{Fitted, fit},
     tile_relief::TileRelief,
-    tiling::readings,
+    tiling::{Tile, readings},
     valleys::Valleys,
 };
 
@@ -26,6 +26,14 @@ const MOST_UNUSUAL: f64 = 2.5;
 const SHOWN: f64 = 9.0;
 /// That sides of cartons just lie where something hides them is chance of one in twenty: twice its logarithm.
 const HIDDEN: f64 = 9.0;
+/// Squared deviations of noise that a carton's plane explains.
+const NUMBERS_OF_A_PLANE: f64 = 3.0;
+/// Planes leave at least this share of the noise.
+const LEAST_LEFT: f64 = 0.3;
+/// By so much, in squared deviations, a reading is better than another one that is out of the question,
+const LEAD: f64 = 9.0;
+/// besides so many deviations of what chance makes of both.
+const DEVIATIONS: f64 = 2.0;
 /// What the surface costs where it goes on beyond outer sides, for all of their length.
 const GOES_ON: f64 = 40.0;
 
@@ -110,24 +118,59 @@ pub struct Rated {
     pub one: Fitted,
 }
 
-/// What of a difference is more than chance.
-fn past(difference: f64, chance: f64) -> f64 {
-    difference.signum() * (difference.abs() - chance).max(0.0)
-}
-
 impl Rated {
+    /// Takes how little plane its tops are in deviations of noise. Each plane explains as much as it has numbers.
+    fn weigh(&mut self, noise: &Noise) {
+        self.uneven = self.misfit.beyond(noise.variance) / (noise.variance * noise.lump)
+            + NUMBERS_OF_A_PLANE * self.misfit.cartons as f64;
+    }
+
     /// What speaks against it in all.
     pub fn total(&self) -> f64 {
         self.cost - self.seams + self.uneven
     }
 
-    /// By how much this one explains what lies inside the outline better than another, beyond chance.
-    pub fn inside(&self, other: &Self) -> f64 {
-        // Seams where there are none add a half each by chance, with a deviation of 1.1: of two readings four
-        // deviations of their sum.
-        let by_chance = 4.0 * (2.5 * self.one.seams.len().max(1) as f64).sqrt();
-        let cartons = self.one.tiles.len().abs_diff(other.one.tiles.len());
-        let uneven = WORSE_BLOCKS + OVERFIT_BLOCKS * cartons as f64;
-        past(self.seams - other.seams, by_chance) + past(other.uneven - self.uneven, uneven)
+    /// True when another one arranges the cartons otherwise and the picture does not rule it out: that explains it
+    /// hardly worse, or by no more than chance makes of the planes in which the two differ. The square of a number by
+    /// chance has a variance of two.
+    pub fn leaves_open(&self, other: &Self) -> bool {
+        let alone = |these: &[Tile], those: &[Tile]| {
+            let is_there = |t: &&Tile| !those.iter().any(|o| o.is_like(t));
+            these.iter().filter(is_there).count()
+        };
+        let (ours, theirs) = (&self.one.tiles, &other.one.tiles);
+        let differ = alone(ours, theirs) + alone(theirs, ours);
+        let by_chance = (2.0 * NUMBERS_OF_A_PLANE * differ as f64).sqrt();
+        differ > 0 && other.total() - self.total() <= LEAD + DEVIATIONS * by_chance
     }
+}
+
+/// Noise of a level's blocks.
+pub struct Noise {
+    /// What planes leave of it, and all of it, square metres.
+    pub left: f64,
+    variance: f64,
+    /// Blocks over which it hangs together.
+    lump: f64,
+}
+
+/// Weighs all readings by the noise that the planes of the most plane one leave; `None` where no plane is seen.
+pub fn weigh(fitted: &mut [Rated], relief: &TileRelief) -> Option<Noise> {
+    let plane = fitted
+        .iter()
+        .filter(|r| r.holds && r.misfit.mean() > 0.0)
+        .min_by(|a, b| a.misfit.mean().total_cmp(&b.misfit.mean()))?;
+    let (left, lump) = (plane.misfit.mean(), relief.lump_of(&plane.one.tiles));
+    // Planes follow the noise: each of their numbers takes as much of it as hangs together.
+    let taken = NUMBERS_OF_A_PLANE * lump * plane.misfit.cartons as f64;
+    let share = (1.0 - taken / plane.misfit.blocks as f64).max(LEAST_LEFT);
+    let noise = Noise {
+        left,
+        variance: left / share,
+        lump: lump / share,
+    };
+    for r in fitted {
+        r.weigh(&noise);
+    }
+    Some(noise)
 }

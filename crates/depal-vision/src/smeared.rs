@@ -17,7 +17,7 @@ use crate::{
     neighbours::neighbours,
     patch::pixel_pitch,
     plane::PlaneFrame,
-    rated::{Rated, rated},
+    rated::{Rated, rated, weigh},
     surface::{Surface, least_pixels},
     tile_fit::Fitted,
     tile_relief::TileRelief,
@@ -29,7 +29,7 @@ use crate::{
 /// Tolerances are so many deviations of a depth by noise.
 const SIGMAS: f64 = 6.0;
 /// Of a top so much must be left between the smears of its sides, pixels, or nothing is reported: fifteen blocks of
-/// those by which it is judged how plane it is. Of 60, another arrangement was taken for the right one now and then.
+/// those by which it is judged how plane it is. Of less, another arrangement was taken for the right one now and then.
 const LEAST_PLANE: f64 = 75.0;
 /// Tops are no less plane than the picture is noisy, deviations of a depth: else they are no tops.
 const MOST_RELIEF: f64 = 0.9;
@@ -37,10 +37,10 @@ const MOST_RELIEF: f64 = 0.9;
 const ONE_HEIGHT: f64 = 0.15;
 /// Share of a reported top that is seen as surface, at least.
 const LEAST_SEEN: f64 = 0.9;
-/// By so much, in squared deviations, an arrangement is better than another one that is out of the question.
-const LEAD: f64 = 9.0;
 /// A carton's place is known to so much, or it is not reported, metres.
 const KNOWN: f64 = 0.010;
+/// A box found before lies where it does by itself when so many of its sides are seen.
+const OUTLINED: u32 = 2;
 
 /// Finds cartons on every height that those found so far leave open. What was found by outlines of its own must be
 /// among them, or nothing is said about that height.
@@ -188,92 +188,71 @@ fn layer(
     if !fitted.iter().any(|r| r.holds) {
         return Layer::refused(RejectReason::NoKnownSize);
     }
-    let noise = fitted
-        .iter()
-        .filter(|r| r.holds)
-        .map(|r| r.misfit.mean())
-        .filter(|m| *m > 0.0)
-        .fold(f64::MAX, f64::min);
-    for r in &mut fitted {
-        r.uneven = r.misfit.beyond(noise) / (noise * relief.lump);
-    }
+    let Some(noise) = weigh(&mut fitted, &relief) else {
+        return Layer::refused(RejectReason::Ambiguous);
+    };
     let (mut fitted, odd): (Vec<Rated>, Vec<Rated>) = fitted.into_iter().partition(|r| r.holds);
     fitted.sort_by(|a, b| a.total().total_cmp(&b.total()));
     let Some(best) = fitted.first() else {
         return Layer::refused(RejectReason::NoKnownSize);
     };
     let Rated { one: first, .. } = best;
-    let others = |o: &&Rated| !same(&first.tiles, &o.one.tiles);
+    // Outlines are misread more easily than tops: an odd one counts as well.
     let rivals: Vec<&Fitted> = fitted[1..]
         .iter()
-        .filter(others)
-        .filter(|other| best.inside(other) <= LEAD)
+        .chain(odd.iter().filter(|o| o.nearly))
+        .filter(|o| best.leaves_open(o))
         .map(|other| &other.one)
         .collect();
-    // Outlines are misread more easily than tops: an odd one counts as long as what lies inside does not speak
-    // against it.
-    let misread = odd
-        .iter()
-        .filter(others)
-        .any(|o| o.nearly && best.inside(o) <= LEAD);
-    let rough = noise.sqrt() > MOST_RELIEF * settings.plane_tolerance / SIGMAS;
+    let rough = noise.left.sqrt() > MOST_RELIEF * settings.plane_tolerance / SIGMAS;
     let hidden = first.tiles.iter().any(|t| t.hidden);
-    // What no way to cover the height contains was misread before: neither is reported.
+    let all: Vec<DetectedBox> = first
+        .tiles
+        .iter()
+        .enumerate()
+        .map(|(n, tile)| report(&level, settings, tile, first.sides[n], first.spread[n]))
+        .collect();
+    let shared: Vec<bool> = first
+        .tiles
+        .iter()
+        .map(|tile| {
+            rivals
+                .iter()
+                .all(|r| r.tiles.iter().any(|o| o.is_like(tile)))
+        })
+        .collect();
+    // Where several readings may be true, those found before must all lie where they do by themselves: others are but
+    // one covering of a part.
+    let outlined = known.iter().all(|k| k.proven_sides >= OUTLINED);
     let may_be = |k: &DetectedBox| {
-        first.is_one_of(k, &level.frame) || rivals.iter().any(|r| r.is_one_of(k, &level.frame))
+        first.is_one_of(k, &level.frame)
+            || outlined && rivals.iter().any(|r| r.is_one_of(k, &level.frame))
     };
     let denied: Vec<DetectedBox> = known
         .iter()
-        .filter(|k| complete && !may_be(k))
+        .filter(|k| !may_be(k))
         .map(|k| (*k).clone())
         .collect();
-    if misread || rough || hidden || !complete && !rivals.is_empty() || !denied.is_empty() {
+    let otherwise = !known.iter().all(|k| first.is_one_of(k, &level.frame));
+    if rough || hidden || otherwise || !complete && !rivals.is_empty() {
         return Layer {
             denied,
             ..Layer::refused(RejectReason::Ambiguous)
         };
     }
-    let best = first;
-    let all: Vec<DetectedBox> = best
-        .tiles
-        .iter()
-        .enumerate()
-        .map(|(n, tile)| report(&level, settings, tile, best.sides[n], best.spread[n]))
-        .collect();
-    if !known.iter().all(|k| all.iter().any(|b| is_same(b, k))) {
-        return Layer::refused(RejectReason::Ambiguous);
-    }
     if shortest < (smear as f64 + LEAST_PLANE) * cell {
         return Layer::default();
     }
-    let mut open = false;
-    let mut boxes = Vec::new();
-    for (n, tile) in best.tiles.iter().enumerate() {
-        let shared = rivals
-            .iter()
-            .all(|r| r.tiles.iter().any(|o| o.is_like(tile)));
-        let placed = best.spread[n].iter().all(|s| *s <= KNOWN);
-        open |= !shared;
-        if shared && placed && !tile.hidden && all[n].visible_fraction >= LEAST_SEEN {
-            boxes.push(all[n].clone());
-        }
-    }
+    let placed = |n: usize| first.spread[n].iter().all(|s| *s <= KNOWN);
     Layer {
-        boxes,
-        reason: open.then_some(RejectReason::Ambiguous),
-        closed: best.hidden_sides == 0,
+        boxes: (0..all.len())
+            .filter(|&n| shared[n] && placed(n) && all[n].visible_fraction >= LEAST_SEEN)
+            .map(|n| all[n].clone())
+            .collect(),
+        reason: shared.contains(&false).then_some(RejectReason::Ambiguous),
+        closed: first.hidden_sides == 0,
         denied: Vec::new(),
     }
-}
-
-/// True when both are the same carton, roughly.
-fn is_same(a: &DetectedBox, b: &DetectedBox) -> bool {
-    let apart = a.camera_from_box.translation.vector - b.camera_from_box.translation.vector;
-    a.label == b.label && apart.norm() < 0.25 * a.size.width
-}
-
-fn same(a: &[Tile], b: &[Tile]) -> bool {
-    a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| x.is_like(y)))
 }
 
 fn report(

@@ -13,11 +13,23 @@ const ALL: f64 = 0.97;
 const MOST: f64 = 16.0;
 /// Fewer blocks of a top say nothing.
 const LEAST_BLOCKS: usize = 6;
+/// So many blocks apart, along both axes, noise is looked at for whether it hangs together.
+const REACH: isize = 5;
+
+/// A square of surface.
+struct Block {
+    /// Its place in a list row by row.
+    place: usize,
+    /// Its middle along the level's axes, and its height, metres.
+    at: [f64; 2],
+    height: f64,
+}
 
 /// Mean heights of the blocks of a level.
 pub struct TileRelief {
-    /// Middle (metres along the level's axes) and height of each block, metres.
-    blocks: Vec<([f64; 2], f64)>,
+    blocks: Vec<Block>,
+    /// Blocks along both axes, those that say nothing too.
+    count: [usize; 2],
     half: f64,
     /// Variance of a block's height by noise, square metres: also by what undulates over half a carton.
     pub noise: f64,
@@ -46,12 +58,17 @@ impl TileRelief {
                 let height = (around(margin) > ALL)
                     .then(|| level.mean_height(low, low.map(|v| v + side)))
                     .flatten();
-                blocks.extend(height.map(|h| (low.map(|v| v + 0.5 * side), h)));
+                blocks.extend(height.map(|height| Block {
+                    place: heights.len(),
+                    at: low.map(|v| v + 0.5 * side),
+                    height,
+                }));
                 heights.push(height.map(|h| h as f32));
             }
         }
         Self {
             blocks,
+            count: [count(x), count(y)],
             noise: noise_along_both(
                 &heights,
                 count(x),
@@ -72,35 +89,83 @@ impl TileRelief {
             ..Misfit::default()
         };
         for tile in tiles {
-            let inset = self.half + self.margin.min(0.25 * tile.half[0].min(tile.half[1]) * 2.0);
-            let inside: Vec<(Vector3<f64>, f64)> = self
-                .blocks
-                .iter()
-                .filter(|(at, _)| tile.holds(*at, -inset))
-                .map(|(at, h)| {
-                    let [x, y] = [0, 1].map(|k| at[k] - tile.centre[k]);
-                    (Vector3::new(1.0, x, y), *h)
-                })
-                .collect();
-            if inside.len() < LEAST_BLOCKS {
+            let Some(residuals) = self.residuals(tile) else {
                 if tile.hidden {
                     continue;
                 }
                 return None;
-            }
-            let normal: Matrix3<f64> = inside.iter().map(|(p, _)| p * p.transpose()).sum();
-            let right: Vector3<f64> = inside.iter().map(|(p, h)| p * *h).sum();
-            // Blocks in a row have no plane.
-            let Some(plane) = normal.cholesky().map(|c| c.solve(&right)) else {
-                continue;
             };
-            whole.squares += inside
+            whole.squares += residuals
                 .iter()
-                .map(|(p, h)| (h - plane.dot(p)).powi(2).min(MOST * self.noise))
+                .map(|(_, off)| off.powi(2).min(MOST * self.noise))
                 .sum::<f64>();
-            whole.blocks += inside.len();
+            whole.blocks += residuals.len();
         }
         Some(whole)
+    }
+
+    /// Distance of each block inside a top from the top's plane, metres, with its place; `None` of too few.
+    fn residuals(&self, tile: &Tile) -> Option<Vec<(usize, f64)>> {
+        let inset = self.half + self.margin.min(0.25 * tile.half[0].min(tile.half[1]) * 2.0);
+        let inside: Vec<(&Block, Vector3<f64>)> = self
+            .blocks
+            .iter()
+            .filter(|block| tile.holds(block.at, -inset))
+            .map(|block| {
+                let [x, y] = [0, 1].map(|k| block.at[k] - tile.centre[k]);
+                (block, Vector3::new(1.0, x, y))
+            })
+            .collect();
+        if inside.len() < LEAST_BLOCKS {
+            return None;
+        }
+        let normal: Matrix3<f64> = inside.iter().map(|(_, p)| p * p.transpose()).sum();
+        let right: Vector3<f64> = inside.iter().map(|(b, p)| p * b.height).sum();
+        // Blocks in a row have no plane.
+        let Some(plane) = normal.cholesky().map(|c| c.solve(&right)) else {
+            return Some(Vec::new());
+        };
+        let off = |(b, p): &(&Block, Vector3<f64>)| (b.place, b.height - plane.dot(p));
+        Some(inside.iter().map(off).collect())
+    }
+
+    /// Over how many blocks noise hangs together, as what the planes of some tops leave shows: the sum of its
+    /// correlations. A camera's window tells no more than about how many.
+    pub fn lump_of(&self, tiles: &[Tile]) -> f64 {
+        let [columns, rows] = self.count.map(|n| n as isize);
+        let mut off = vec![f64::NAN; self.count[0] * self.count[1]];
+        for (place, residual) in tiles.iter().filter_map(|t| self.residuals(t)).flatten() {
+            off[place] = residual;
+        }
+        let at = |i: isize, j: isize| {
+            let inside = (0..columns).contains(&i) && (0..rows).contains(&j);
+            inside
+                .then(|| off[(j * columns + i) as usize])
+                .filter(|off| !off.is_nan())
+        };
+        let covariance = |di: isize, dj: isize| {
+            let (mut sum, mut pairs) = (0.0, 0usize);
+            for j in 0..rows {
+                for i in 0..columns {
+                    if let (Some(a), Some(b)) = (at(i, j), at(i + di, j + dj)) {
+                        sum += a * b;
+                        pairs += 1;
+                    }
+                }
+            }
+            sum / pairs.max(1) as f64
+        };
+        let variance = covariance(0, 0);
+        if variance <= 0.0 {
+            return self.lump;
+        }
+        // Each lag stands for its opposite, too.
+        let half = (-REACH..=REACH).flat_map(|di| (0..=REACH).map(move |dj| (di, dj)));
+        let beside: f64 = half
+            .filter(|(di, dj)| *dj > 0 || *di > 0)
+            .map(|(di, dj)| covariance(di, dj).max(0.0))
+            .sum();
+        1.0 + 2.0 * beside / variance
     }
 }
 
