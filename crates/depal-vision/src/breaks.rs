@@ -59,9 +59,9 @@ impl<'a> Breaks<'a> {
     /// True when a line across the candidate parts it into two planes that do not meet there.
     pub fn within(&self, candidate: &Candidate) -> bool {
         self.parts(candidate) && {
-            // What is farther away has more noise than most, and it hangs together over more blocks.
+            // Noise hangs together over some blocks, and what is farther away has more of it than most.
             let [i, j] = self.relief.blocks_of(candidate);
-            let noise = self.relief.noise_within(&i, &j);
+            let noise = self.relief.noise_within(&i, &j).max(self.relief.noise(2));
             noise <= self.noise || Self { noise, ..*self }.parts(candidate)
         }
     }

@@ -16,7 +16,6 @@ use crate::{
         FROM_AFAR, FROM_CLOSE, Fitting, INSET_PIXELS, RectangleFit, SideFit, anchored, edge_inside,
         fit_rectangle,
     },
-    spaced_points::SpacedPoints,
     walls::{between, is_between},
 };
 
