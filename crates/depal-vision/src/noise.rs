@@ -121,7 +121,14 @@ impl VisionSettings {
         let mut sigma = noise_of(&frame.depth, width, &LAGS);
         let mut soft = Vec::new();
         let middle = middle_depth(&frame.depth);
-        let raw_smear = smear_at(&frame.depth, width, sigma, middle);
+        let mut raw_smear = smear_at(&frame.depth, width, sigma, middle);
+        // A camera that smears does so along rows: where steps are sharp there, what lies between two levels of a column
+        // is a rim.
+        let on_steps = pixels_on_steps(&frame.depth, width);
+        if on_steps == Some(0) {
+            raw_smear = 0;
+        }
+        let on_steps = on_steps.unwrap_or(0);
         let from = if raw_smear >= LEAST_SMEAR {
             SMEARED_AVERAGED_FROM
         } else {
@@ -145,10 +152,9 @@ impl VisionSettings {
         let smear = if !soft.is_empty() {
             smear_at(&soft, width, sigma, middle_depth(&soft))
         } else if raw_smear >= LEAST_SMEAR {
-            raw_smear.max(pixels_on_steps(&frame.depth, width))
+            raw_smear.max(on_steps)
         } else {
-            // Beside sharp steps pixels are lost as well.
-            pixels_on_steps(&frame.depth, width)
+            on_steps
         };
         self.smear_px = self.smear_px.max(smear);
         // Averaging makes no step wider.

@@ -8,8 +8,8 @@ use crate::{
     verify::{LEAST_SHARP, SHARP},
 };
 
-/// More than that, and they show something else. From the noise
-/// in the middle of the top.
+/// How far from a top's plane its pixels lie at most, metres, from the noise in its middle: what lies farther shows
+/// something else.
 pub fn sharp_tolerance(image: &DepthImage, frame: &PlaneFrame, settings: &VisionSettings) -> f64 {
     /// Half the side of the square that is looked at, metres, and samples along it.
     const HALF: f64 = 0.03;

@@ -14,11 +14,12 @@ const LEAST_STEPS: usize = 100;
 const LEAST_SIGMAS: f32 = 12.0;
 
 /// How many measured pixels lie on the steps along the rows of a frame, as pixels of a whole step; 0 where they are
-/// sharp. What is lost beside a step is not counted: sharp cameras lose pixels there as well.
-pub fn pixels_on_steps(depth: &[f32], width: usize) -> usize {
+/// sharp, `None` where there are too few. What is lost beside a step is not counted: sharp cameras lose pixels there as
+/// well.
+pub fn pixels_on_steps(depth: &[f32], width: usize) -> Option<usize> {
     let mut widths: Vec<usize> = Vec::new();
     if width < 4 * REACH {
-        return 0;
+        return None;
     }
     for row in depth.chunks_exact(width).step_by(4) {
         let mut u = REACH + 4;
@@ -53,14 +54,14 @@ fn level_ends(a: f32, beside_a: f32, b: f32, beside_b: f32) -> Option<(f32, f32)
     ((a - b).abs() > LEAST_STEP && level(a, beside_a) && level(b, beside_b)).then_some((a, b))
 }
 
-/// Median of the widths between the levels, as that of a whole step.
-fn whole_step(mut widths: Vec<usize>) -> usize {
+/// Median of the widths between the levels, as that of a whole step; `None` of too few.
+fn whole_step(mut widths: Vec<usize>) -> Option<usize> {
     if widths.len() < LEAST_STEPS {
-        return 0;
+        return None;
     }
     let middle = widths.len() / 2;
     let inner = *widths.select_nth_unstable(middle).1;
-    (inner as f32 / (LEVELS.1 - LEVELS.0)).round() as usize
+    Some((inner as f32 / (LEVELS.1 - LEVELS.0)).round() as usize)
 }
 
 /// Over how many pixels the steps of a frame are smeared, along rows and columns, what is lost on them included; 0
@@ -92,7 +93,7 @@ pub fn smear_of(depth: &[f32], width: usize, noise: f32) -> usize {
             next[u] = v + 2 * REACH + 4;
         }
     }
-    whole_step(widths)
+    whole_step(widths).unwrap_or(0)
 }
 
 /// Over how many pixels each step along a line goes from one of the levels to the other.

@@ -139,6 +139,31 @@ fn what_a_camera_puts_in_invents_no_carton() {
     }
 }
 
+/// A rim narrower than a smear, around a stack over a floor far below, lies between two levels.
+#[test]
+fn the_rim_below_sharp_steps_is_no_smear() {
+    const TOP_PX: usize = 60;
+    for rim in [4, 8, 12] {
+        let intrinsics = camera(SensorSpec::laser_3m()).intrinsics;
+        let mut frame = DepthFrame::blank(intrinsics);
+        for (at, z) in frame.depth.iter_mut().enumerate() {
+            // Tops and floor by turns; rims along the rows, the shadow of the projector along the columns.
+            let [u, v] = [at % intrinsics.width, at / intrinsics.width].map(|p| p % (2 * TOP_PX));
+            *z = if u < TOP_PX && v < TOP_PX {
+                2.0
+            } else if (TOP_PX..TOP_PX + 14).contains(&u) {
+                0.0
+            } else if (TOP_PX..TOP_PX + rim).contains(&v) || v >= 2 * TOP_PX - rim {
+                2.2
+            } else {
+                3.0
+            };
+        }
+        let settings = VisionSettings::new(Layout::Brick20.sizes()).suited_to(&frame);
+        assert_eq!(settings.smear_px, 0, "a rim of {rim} px");
+    }
+}
+
 /// Film takes a seventh of the pixels and trebles the noise; its mirror image of the projector takes a piece of the
 /// middle as a whole.
 #[test]
